@@ -37,14 +37,21 @@ class Group:
         0 for points, 1 for curves, 2 for surfaces.
     members : (n,) int array
         Vertex, edge or triangle indices, sorted, without repetition.
+    tag : int or None
+        The integer a gmsh file knows the group by.
+    lost : int
+        Cells the source puts in the group that are no vertex, edge or triangle of the mesh. A group with
+        lost cells cannot be selected: a support or load would act on a part of it only.
     """
 
     dimension: int
     members: Ints
+    tag: int | None = None
+    lost: int = 0
 
     @property
     def kind(self) -> str:
-        """"point", "curve" or "surface"."""
+        """ "point", "curve" or "surface"."""
         return KIND_OF_DIMENSION[self.dimension]
 
 

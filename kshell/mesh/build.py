@@ -1,0 +1,189 @@
+"""From what a reader delivers to a `Mesh`: unify, renumber, orient, attach groups, check.
+
+Nothing is lost in silence: what cannot be used is an error, what was repaired is a note.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.mesh import check
+from kshell.mesh.mesh import KIND_OF_DIMENSION, Group, Mesh
+from kshell.mesh.orient import to_reverse
+from kshell.mesh.raw import RawGroup, RawMesh
+from kshell.mesh.words import count, place, quoted
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# the six nodes of a triangle after swapping its corners 1 and 2
+REVERSED_NODES = [0, 2, 1, 5, 4, 3]
+
+
+def build(raw: RawMesh) -> Mesh:
+    """The checked mesh.
+
+    Raises
+    ------
+    InputError
+        If the cells are of the wrong kind or unusable; the message names the place and the mending.
+    """
+    check.only_triangles(raw)
+    notes = list(raw.notes)
+    nodes, row_of = unify(raw.triangles)
+    check.usable_nodes(raw.points, nodes, raw.source)
+
+    used, vertex_of = _renumber(nodes[:, :3], len(raw.points))
+    points = np.ascontiguousarray(raw.points[used])
+    triangles = vertex_of[nodes[:, :3]]
+    middle_nodes = nodes[:, 3:] if nodes.shape[1] == 6 else None
+    check.nodes_and_vertices(raw.points, vertex_of, middle_nodes, raw.source)
+    n_idle = len(raw.points) - len(used) - _distinct(middle_nodes)
+    if n_idle:
+        notes.append(f"{count(n_idle, 'node')} of no triangle left out")
+
+    check.areas(points, triangles, raw.source)
+    flat = check.is_flat(points)
+    reverse = to_reverse(points, triangles, flat, raw.source)
+    if reverse.any():
+        triangles[reverse] = triangles[reverse][:, [0, 2, 1]]
+        if middle_nodes is not None:
+            middle_nodes = middle_nodes.copy()
+            middle_nodes[reverse] = middle_nodes[reverse][:, [2, 1, 0]]
+        why = "normals point along +z" if flat else "neighbours agree on the normal"
+        notes.append(f"{reverse.sum()} of {count(len(triangles), 'triangle')} reversed so that {why}")
+
+    bare = Mesh(points, triangles.astype(np.int32), source=raw.source)
+    midpoints = None if middle_nodes is None else _midpoints(bare, raw.points, middle_nodes)
+    groups = _groups(raw, bare, vertex_of, row_of, notes)
+    mesh = _changed(bare, midpoints=midpoints, groups=groups)
+    notes += check.connections(mesh)
+    return _changed(mesh, notes=tuple(notes))
+
+
+def _changed(mesh: Mesh, **changes: Any) -> Mesh:
+    """The mesh with other attributes but the same points and triangles; the edge table is kept, being costly."""
+    new = replace(mesh, **changes)
+    new.__dict__.update(
+        {name: mesh.__dict__[name] for name in ("_edge_table", "edge_lengths") if name in mesh.__dict__}
+    )
+    return new
+
+
+def unify(triangles: Ints) -> tuple[Ints, Ints]:
+    """Each triangle once.
+
+    MSH 2.2 stores a cell once per group; every copy would add its stiffness again.
+
+    Returns
+    -------
+    unique : (m, 3 or 6) array, in the order of first appearance
+    row_of : (n,) the row of `unique` that each stored triangle became
+    """
+    corners = np.sort(triangles[:, :3], axis=1)
+    n = int(corners.max()) + 1
+    if n < 2_000_000:  # three indices fit one 64-bit key
+        key = (corners[:, 0] * n + corners[:, 1]) * n + corners[:, 2]
+        _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
+    else:
+        _, first, inverse = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    inverse = inverse.ravel()
+    if len(first) == len(triangles):
+        return triangles, np.arange(len(triangles))
+    order = np.argsort(first)
+    rank = np.empty(len(order), dtype=np.int64)
+    rank[order] = np.arange(len(order))
+    return triangles[first[order]], rank[inverse]
+
+
+def _renumber(corners: Ints, n_nodes: int) -> tuple[Ints, Ints]:
+    """Nodes that are corners, and the vertex number of every node (-1 for the others)."""
+    is_vertex = np.zeros(n_nodes, dtype=bool)
+    is_vertex[corners] = True
+    used = np.flatnonzero(is_vertex)
+    vertex_of = np.full(n_nodes, -1, dtype=np.int64)
+    vertex_of[used] = np.arange(len(used))
+    return used, vertex_of
+
+
+def _distinct(middle_nodes: Ints | None) -> int:
+    if middle_nodes is None:
+        return 0
+    nodes = np.unique(middle_nodes)
+    return int(np.count_nonzero(nodes >= 0))
+
+
+def _midpoints(mesh: Mesh, node_points: Floats, middle_nodes: Ints) -> Floats:
+    """Mid-edge nodes by edge; straight edges where no triangle brings one."""
+    edges = mesh.triangle_edges.ravel()
+    nodes = middle_nodes.ravel()
+    given = nodes >= 0
+    midpoints: Floats = mesh.points[mesh.edges].mean(axis=1)
+    midpoints[edges[given]] = node_points[nodes[given]]
+    gap = np.linalg.norm(midpoints[edges[given]] - node_points[nodes[given]], axis=1)
+    far = np.flatnonzero(gap > 1e-6 * mesh.edge_lengths[edges[given]])
+    if len(far):
+        edge = edges[given][far[0]]
+        raise InputError(
+            f"{mesh.source}: the two triangles at the edge near {place(midpoints[edge])} have different mid-edge "
+            f"nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn there. Mesh again in one piece"
+        )
+    check.curved_triangles(mesh, midpoints)
+    return midpoints
+
+
+def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list[str]) -> dict[str, Group]:
+    """Groups in vertex, edge and triangle numbers of `mesh`, under names that are unique."""
+    parts: dict[tuple[str, int], list[RawGroup]] = defaultdict(list)
+    for group in raw.groups:
+        parts[group.name or f"{group.dimension}:{group.tag}", group.dimension].append(group)
+    dimensions_of: dict[str, list[int]] = defaultdict(list)
+    for name, dimension in parts:
+        dimensions_of[name].append(dimension)
+
+    groups: dict[str, Group] = {}
+    for (name, dimension), stored in parts.items():
+        tags = sorted({group.tag for group in stored if group.tag is not None})
+        if len(stored) > 1:
+            notes.append(
+                f"{len(stored)} groups of {KIND_OF_DIMENSION[dimension]}s are called '{name}': taken together"
+            )
+        key = name if len(dimensions_of[name]) == 1 else f"{name} ({KIND_OF_DIMENSION[dimension]})"
+        found = [_members(group, mesh, vertex_of, row_of) for group in stored]
+        members = np.unique(np.concatenate([m for m, _ in found])).astype(np.int32)
+        lost = sum(n for _, n in found)
+        groups[key] = Group(dimension, members, tags[0] if tags else None, lost)
+        if lost:
+            notes.append(
+                f"group '{key}': {lost} of its {count(lost + len(members), KIND_OF_DIMENSION[dimension] + ' cell')} "
+                "belong to no triangle, so it cannot be used whole"
+            )
+        elif not len(members):
+            notes.append(f"group '{key}' is empty")
+    twice = [name for name, dimensions in dimensions_of.items() if len(dimensions) > 1]
+    if twice:
+        both = [f"{name} ({KIND_OF_DIMENSION[d]})" for name in twice for d in sorted(dimensions_of[name])]
+        notes.append(f"names used for several kinds of groups are told apart as {quoted(both)}")
+    return groups
+
+
+def _members(group: RawGroup, mesh: Mesh, vertex_of: Ints, row_of: Ints) -> tuple[Ints, int]:
+    """Member indices (-1 removed) and how many distinct stored cells have none."""
+    if group.dimension == 2:
+        return np.unique(row_of[group.cells]), 0
+    vertices = vertex_of[group.cells]
+    if group.dimension == 0:
+        found = vertices
+        cells = group.cells.reshape(-1, 1)
+    else:
+        found = np.where((vertices >= 0).all(axis=1), mesh.edge_index(vertices), -1)
+        cells = np.sort(group.cells, axis=1)
+    missing = found < 0
+    lost = len(np.unique(cells[missing], axis=0)) if missing.any() else 0
+    return found[~missing].astype(np.int64), lost

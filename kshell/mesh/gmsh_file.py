@@ -1,0 +1,180 @@
+"""Reading .msh files of gmsh, versions 2.2 and 4.1, ASCII and binary, with every physical group.
+
+gmsh itself is not needed. meshio is not used: of a cell in several groups it keeps one tag only, and it
+never reads physical points.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.mesh import msh2, msh4
+from kshell.mesh.gmsh_cells import LINES, POINT, TRIANGLES, CellBlock, kind_of_other
+from kshell.mesh.numbers import Section, sections
+from kshell.mesh.raw import RawGroup, RawMesh
+
+Ints = NDArray[np.int64]
+
+OTHER_VERSION = "Save it as version 4.1, `gmsh {name} -save -format msh41 -o new.msh`, or set `Mesh.MshFileVersion = 4.1;`"
+_NAME_LINE = re.compile(r'^\s*(\d)\s+(-?\d+)\s+"(.*)"\s*$')
+
+
+def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
+    """Nodes, triangles and physical groups of a .msh file.
+
+    Raises
+    ------
+    InputError
+        If the file is no MSH file of version 2.2 or 4.1, or is damaged.
+    """
+    source = source or path.name
+    data = path.read_bytes()
+    if not data.strip():
+        raise InputError(f"{source}: the file is empty. Mesh again, `gmsh -2 file.geo -o file.msh`")
+    if not data.lstrip().startswith((b"$MeshFormat", b"$Comments", b"$NOD")):
+        raise InputError(
+            f"{source}: not a gmsh file: it does not begin with $MeshFormat. Is it of another format or cut off?"
+        )
+    found = sections(data, source)
+    if "MeshFormat" not in found:
+        raise InputError(f"{source}: MSH version 1 is not read. {OTHER_VERSION.format(name=source)}")
+    version, binary, byte_order = _format(found["MeshFormat"])
+    for name in ("Nodes", "Elements"):
+        if name not in found:
+            raise InputError(
+                f"{source}: has no ${name}: the file was saved before meshing or cut off. Mesh again, `gmsh -2 file.geo`"
+            )
+    if version == "2.2":
+        tags, points = msh2.read_nodes(found["Nodes"], binary, byte_order)
+        blocks = msh2.read_cells(found["Elements"], binary, byte_order)
+    else:
+        entities: msh4.TagsOfEntity = {}
+        if "Entities" in found:
+            entities |= msh4.read_entities(found["Entities"], binary, byte_order)
+        if "PartitionedEntities" in found:
+            entities |= msh4.read_partitioned_entities(found["PartitionedEntities"], binary, byte_order)
+        tags, points = msh4.read_nodes(found["Nodes"], binary, byte_order)
+        blocks = msh4.read_cells(found["Elements"], binary, byte_order, entities)
+    names = _physical_names(found["PhysicalNames"]) if "PhysicalNames" in found else {}
+    return _raw_mesh(tags, points, blocks, names, source)
+
+
+def _format(section: Section) -> tuple[str, bool, str]:
+    """Version, whether binary, and the byte order."""
+    line, _, rest = section.data.lstrip().partition(b"\n")
+    words = line.decode("latin-1").split()
+    if len(words) < 3 or words[1] not in ("0", "1"):
+        raise section.fail(f"is {' '.join(words)[:40]!r} instead of version, kind and size of numbers")
+    version = {"2": "2.2", "2.0": "2.2", "2.1": "2.2", "2.2": "2.2", "4.1": "4.1"}.get(words[0])
+    if version is None:
+        raise InputError(
+            f"{section.source}: MSH version {words[0]} is not read. {OTHER_VERSION.format(name=section.source)}"
+        )
+    if words[1] == "0":
+        return version, False, "="
+    if words[2] != "8":
+        raise InputError(
+            f"{section.source}: binary with numbers of {words[2]} bytes instead of 8. {OTHER_VERSION.format(name=section.source)}"
+        )
+    if rest[:4] == (1).to_bytes(4, "little"):
+        return version, True, "<"
+    if rest[:4] == (1).to_bytes(4, "big"):
+        return version, True, ">"
+    raise section.fail("lacks the number 1 that tells the order of bytes")
+
+
+def _physical_names(section: Section) -> dict[tuple[int, int], str]:
+    """Names by (dimension, tag)."""
+    names = {}
+    for line in section.data.decode("utf-8", errors="replace").splitlines()[1:]:
+        match = _NAME_LINE.match(line)
+        if match:
+            names[int(match[1]), int(match[2])] = match[3]
+        elif line.strip():
+            raise section.fail(f'holds {line.strip()[:60]!r} instead of: dimension tag "name"')
+    return names
+
+
+def _raw_mesh(
+    node_tags: Ints,
+    points: NDArray[np.float64],
+    blocks: list[CellBlock],
+    names: dict[tuple[int, int], str],
+    source: str,
+) -> RawMesh:
+    number = _NodeNumbers(node_tags, source)
+    triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]
+    segments = n_triangles = 0
+    other: dict[str, int] = defaultdict(int)
+    cells: dict[tuple[int, int], list[Ints]] = {key: [] for key in names if key[0] <= 2}
+    for block in blocks:
+        if block.cell_type in TRIANGLES:
+            dimension = 2
+            triangles.append(_turned(number.of(block.nodes), block.tags))
+            members = np.arange(n_triangles, n_triangles + len(block.nodes))
+            n_triangles += len(block.nodes)
+        elif block.cell_type in LINES:
+            dimension = 1
+            segments += len(block.nodes)
+            members = number.of(block.nodes[:, :2]) if block.tags else np.empty((0, 2), dtype=np.int64)
+        elif block.cell_type in POINT:
+            dimension = 0
+            members = number.of(block.nodes[:, 0])
+        else:
+            other[kind_of_other(block.cell_type)] += len(block.nodes)
+            continue
+        for tag in {abs(tag) for tag in block.tags}:
+            cells.setdefault((dimension, tag), []).append(members)
+
+    width = max(t.shape[1] for t in triangles)
+    stacked = np.concatenate(
+        [np.pad(t, ((0, 0), (0, width - t.shape[1])), constant_values=-1) for t in triangles]
+    )
+    empty = (np.empty(0, np.int64), np.empty((0, 2), np.int64), np.empty(0, np.int64))
+    groups = [
+        RawGroup(names.get((dimension, tag), ""), dimension, np.concatenate([*found, empty[dimension]]), tag)
+        for (dimension, tag), found in sorted(cells.items())
+    ]
+    return RawMesh(points, stacked, groups, source, dict(other), segments)
+
+
+def _turned(nodes: Ints, tags: tuple[int, ...]) -> Ints:
+    """Cells the other way round if their group asks for it by a negative tag (gmsh: `Physical Surface(1) = {-5};`)."""
+    if not tags or max(tags) > 0:
+        return nodes
+    return nodes[:, [0, 2, 1, 5, 4, 3]] if nodes.shape[1] == 6 else nodes[:, [0, 2, 1]]
+
+
+class _NodeNumbers:
+    """From node tags, any positive integers, to positions in the list of nodes."""
+
+    def __init__(self, tags: Ints, source: str) -> None:
+        self._order = np.argsort(tags, kind="stable")
+        self._sorted = tags[self._order]
+        self._source = source
+        twice = np.flatnonzero(self._sorted[1:] == self._sorted[:-1])
+        if len(twice):
+            raise InputError(f"{source}: node {self._sorted[twice[0]]} is stored twice. Write the file again")
+        # consecutive tags, as gmsh writes them, need no search
+        self._first = int(tags.min()) if len(tags) else 0
+        self._dense = len(tags) > 0 and int(tags.max()) - self._first == len(tags) - 1
+
+    def of(self, tags: Ints) -> Ints:
+        """Positions of the nodes with these tags."""
+        place = tags - self._first if self._dense else np.searchsorted(self._sorted, tags)
+        inside = (place >= 0) & (place < len(self._sorted))
+        known = inside.copy()
+        known[inside] = self._sorted[place[inside]] == tags[inside]
+        if not known.all():
+            raise InputError(
+                f"{self._source}: a cell names node {tags[~known][0]}, which the file does not hold. The file is damaged: "
+                "write it again"
+            )
+        numbers: Ints = self._order[place]
+        return numbers

@@ -1,0 +1,112 @@
+"""Numbers out of the sections of a gmsh file, alike for ASCII and binary files.
+
+The kinds of numbers are those of the format: "int" (4 bytes), "size" (8 bytes, MSH 4.1 only), "double".
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Section:
+    """The bytes between $Name and $EndName."""
+
+    name: str
+    data: bytes
+    source: str
+
+    def fail(self, why: str) -> InputError:
+        """An error that names the file and the section."""
+        return InputError(
+            f"{self.source}: ${self.name} {why}. The file is damaged or cut off: write it again, e.g. with "
+            "`gmsh -2 file.geo -o file.msh`"
+        )
+
+    def text_numbers(self) -> Floats:
+        """All numbers of an ASCII section."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)  # numpy's word for text that is no number
+            try:
+                return np.fromstring(self.data.decode("latin-1"), dtype=float, sep=" ")
+            except (DeprecationWarning, ValueError):
+                pass
+        broken = next((word for word in self.data.split() if not _NUMBER.fullmatch(word)), b"?")
+        raise self.fail(f"holds {broken[:40].decode('latin-1')!r} where a number should stand")
+
+
+_NUMBER = re.compile(rb"[+-]?(\d+\.?\d*([eEdD][+-]?\d+)?|\.\d+([eE][+-]?\d+)?|nan|inf)", re.IGNORECASE)
+
+
+def sections(data: bytes, source: str) -> dict[str, Section]:
+    """The sections of a gmsh file by name. Of sections that may repeat (data) the first is kept.
+
+    Raises
+    ------
+    InputError
+        If a section is not ended.
+    """
+    found: dict[str, Section] = {}
+    at = 0
+    while True:
+        at = data.find(b"$", at)
+        if at < 0:
+            return found
+        line_end = data.find(b"\n", at)
+        line_end = len(data) if line_end < 0 else line_end
+        name = data[at + 1 : line_end].strip().decode("latin-1")
+        end = data.find(b"$End" + name.encode("latin-1"), line_end)
+        if end < 0:
+            short = Section(name[:40], b"", source)
+            raise short.fail("is not ended")
+        found.setdefault(name, Section(name, data[line_end + 1 : end], source))
+        at = end + len(name) + 4
+
+
+class Numbers:
+    """A section read number by number, front to back."""
+
+    def __init__(self, section: Section, binary: bool, byte_order: str) -> None:
+        self._section = section
+        self._types = {
+            "int": np.dtype(f"{byte_order}i4"),
+            "size": np.dtype(f"{byte_order}u8"),
+            "double": np.dtype(f"{byte_order}f8"),
+        }
+        self._text = None if binary else section.text_numbers()
+        self._at = 0
+
+    def take(self, kind: str, number: int) -> NDArray[np.float64] | NDArray[np.int64]:
+        """The next `number` numbers; int64 for "int" and "size", float64 for "double"."""
+        if number < 0:
+            raise self._section.fail(f"announces {number} entries")
+        if self._text is not None:
+            values = self._text[self._at : self._at + number]
+            self._at += number
+        else:
+            dtype = self._types[kind]
+            available = (len(self._section.data) - self._at) // dtype.itemsize
+            values = np.frombuffer(self._section.data, dtype, min(number, max(available, 0)), self._at)
+            self._at += number * dtype.itemsize
+        if len(values) < number:
+            raise self._section.fail("ends before all announced entries have come")
+        if kind == "double":
+            return values.astype(float)
+        whole = values.astype(np.int64)
+        if self._text is not None and (whole != values).any():
+            raise self._section.fail("has a fraction where a whole number should stand")
+        return whole
+
+    def integer(self, kind: str = "int") -> int:
+        """The next integer."""
+        return int(self.take(kind, 1)[0])

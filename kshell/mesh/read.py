@@ -1,0 +1,80 @@
+"""One door for every source of a mesh."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from kshell.errors import InputError
+from kshell.mesh.build import build
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import nearest_name
+
+GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs")
+
+
+def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | None = None) -> Mesh:
+    """A checked mesh from a file or an object.
+
+    Parameters
+    ----------
+    source : path, Mesh, skfem.MeshTri, skfem.MeshTri2 or meshio.Mesh
+        Files: .msh of gmsh 2.2 or 4.1; .geo, .step, .brep, .iges, which gmsh meshes; what else meshio reads.
+    mesh_size : float, optional
+        Edge length wanted everywhere, for geometry files only; absent: the sizes the file itself gives.
+    mesh_order : 1 or 2, optional
+        For geometry files only; absent: what the file itself gives.
+
+    Raises
+    ------
+    InputError
+        If the source cannot be read, or the mesh is not one of usable triangles.
+    """
+    is_path = isinstance(source, (str, os.PathLike))
+    path = Path(source) if is_path else None
+    is_geometry = path is not None and path.suffix.lower() in GEOMETRY_SUFFIXES
+    if not is_geometry and (mesh_size is not None or mesh_order is not None):
+        option = "mesh_size" if mesh_size is not None else "mesh_order"
+        name = path.name if path else f"a {type(source).__name__} object"
+        raise InputError(
+            f"{option} is for geometry files ({', '.join(GEOMETRY_SUFFIXES)}) only: {name} is meshed already. "
+            f"Leave {option} out, or give the geometry"
+        )
+    if isinstance(source, Mesh):
+        return source
+    if path is None:
+        from kshell.mesh.foreign import raw_from_object
+
+        return build(raw_from_object(source))
+    _require_file(path)
+    if is_geometry:
+        from kshell.mesh.geometry_file import read_geometry
+
+        return build(read_geometry(path, mesh_size, mesh_order))
+    if path.suffix.lower() == ".msh" or _begins_like_gmsh(path):
+        from kshell.mesh.gmsh_file import read_gmsh
+
+        return build(read_gmsh(path))
+    from kshell.mesh.foreign import read_foreign
+
+    return build(read_foreign(path))
+
+
+def _require_file(path: Path) -> None:
+    if path.is_dir():
+        raise InputError(f"{path} is a folder, not a mesh file")
+    if path.is_file():
+        return
+    near = ""
+    if path.parent.is_dir():
+        close = nearest_name(path.name, [file.name for file in path.parent.iterdir() if file.is_file()])
+        near = f" Did you mean '{close}'?" if close else ""
+    raise InputError(
+        f"mesh file {path} not found.{near} Relative paths start from the folder of the scene, or the present one"
+    )
+
+
+def _begins_like_gmsh(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(11) == b"$MeshFormat"

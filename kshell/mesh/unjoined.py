@@ -1,0 +1,160 @@
+"""Places where parts of a mesh touch without being joined: doubled vertices, hanging nodes, loose parts.
+
+Only the boundary can be torn: where a vertex is doubled or hangs on an edge, the edges around it belong to one
+triangle. So the search looks at boundary edges, and at all vertices only when the mesh has several parts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import count, place
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+# vertices closer than this fraction of the shortest edge are at the same place
+SAME_PLACE = 1e-4
+
+MERGE = (
+    "Join them: in the .geo file `Coherence;` after the geometry (with OpenCASCADE `BooleanFragments`) or "
+    "`Coherence Mesh;` at the end, in Python `gmsh.model.mesh.removeDuplicateNodes()`"
+)
+
+
+def unjoined(mesh: Mesh) -> list[str]:
+    """Raise at doubled vertices and hanging nodes; return notes on slits and on parts.
+
+    Two vertices at one place are a slit, not an error, if both belong to named curves or points of the same part.
+    """
+    part = vertex_parts(mesh)
+    n_parts = int(part.max()) + 1
+    boundary = np.unique(mesh.edges[mesh.boundary_edges])
+    tolerance = SAME_PLACE * float(mesh.edge_lengths.min())
+    named = _on_named_curves(mesh)
+
+    notes: list[str] = []
+    if len(boundary) or n_parts > 1:
+        candidates = boundary if n_parts == 1 else np.arange(len(mesh.points))
+        pairs = _pairs_at_one_place(mesh, candidates, tolerance)
+        meant = (part[pairs[:, 0]] == part[pairs[:, 1]]) & named[pairs].all(axis=1)
+        if not meant.all():
+            first = pairs[np.flatnonzero(~meant)[0]]
+            raise InputError(
+                f"{mesh.source}: {count(int((~meant).sum()), 'pair')} of vertices at the same place that are not joined, e.g. at "
+                f"{place(mesh.points[first[0]])}: the triangles touch there without holding together. {MERGE}. If a slit is "
+                "meant, give each of its two sides a physical curve"
+            )
+        if len(pairs):
+            notes.append(
+                f"slit: {count(len(pairs), 'pair')} of vertices at the same place, e.g. at {place(mesh.points[pairs[0, 0]])}"
+            )
+        _raise_on_hanging_nodes(mesh, boundary, part, named)
+    return notes + _parts(mesh, part, n_parts)
+
+
+def vertex_parts(mesh: Mesh) -> Ints:
+    """(vertex,) number of the part of the mesh, triangles being connected where they share a vertex."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    n = len(mesh.points)
+    graph = coo_matrix((np.ones(len(mesh.edges), dtype=np.int8), mesh.edges.T), shape=(n, n))
+    return connected_components(graph, directed=False)[1].astype(np.int64)
+
+
+def sheet_parts(mesh: Mesh) -> Ints:
+    """(triangle,) number of the part of the mesh, triangles being connected where they share an edge."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    owner = mesh.edge_owner[mesh.triangle_edges, 0].ravel()
+    mine = np.repeat(np.arange(len(mesh.triangles)), 3)
+    n = len(mesh.triangles)
+    graph = coo_matrix((np.ones(len(mine), dtype=np.int8), (mine, owner)), shape=(n, n))
+    return connected_components(graph, directed=False)[1].astype(np.int64)
+
+
+def _on_named_curves(mesh: Mesh) -> Bools:
+    """(vertex,) whether the vertex belongs to a group of curves or points."""
+    named = np.zeros(len(mesh.points), dtype=bool)
+    for group in mesh.groups.values():
+        if group.dimension == 1:
+            named[mesh.edges[group.members]] = True
+        elif group.dimension == 0:
+            named[group.members] = True
+    return named
+
+
+def _pairs_at_one_place(mesh: Mesh, candidates: Ints, tolerance: float) -> Ints:
+    from scipy.spatial import cKDTree
+
+    found = cKDTree(mesh.points[candidates]).query_pairs(tolerance, output_type="ndarray")
+    pairs: Ints = np.sort(candidates[found], axis=1)
+    return pairs[np.lexsort(pairs.T[::-1])]
+
+
+def _raise_on_hanging_nodes(mesh: Mesh, boundary: Ints, part: Ints, named: Bools) -> None:
+    """A vertex inside the edge of a triangle it does not belong to."""
+    from scipy.spatial import cKDTree
+
+    edges = mesh.boundary_edges
+    if not len(edges):
+        return
+    ends = mesh.edges[edges]
+    start, along = mesh.points[ends[:, 0]], mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
+    length = mesh.edge_lengths[edges]
+    middle = start + 0.5 * along
+    tree = cKDTree(mesh.points[boundary])
+    # a ball about the middle that leaves out the two ends
+    radius = 0.5 * length * (1 - 1e-6)
+    suspects = np.flatnonzero(tree.query_ball_point(middle, radius, return_length=True) > 0)
+    if not len(suspects):
+        return
+    near = tree.query_ball_point(middle[suspects], radius[suspects])
+    edge = np.repeat(suspects, [len(n) for n in near])
+    vertex = boundary[np.concatenate([np.asarray(n, dtype=np.int64) for n in near])]
+    offset = mesh.points[vertex] - start[edge]
+    share = np.sum(offset * along[edge], axis=1) / length[edge] ** 2
+    distance = np.linalg.norm(offset - share[:, None] * along[edge], axis=1)
+    hangs = (distance < SAME_PLACE * length[edge]) & ~(
+        # the two sides of a slit may be meshed differently
+        (part[vertex] == part[ends[edge, 0]]) & named[vertex] & named[ends[edge]].all(axis=1)
+    )
+    if hangs.any():
+        first = np.flatnonzero(hangs)[0]
+        a, b = mesh.points[ends[edge[first]]]
+        raise InputError(
+            f"{mesh.source}: {count(len(np.unique(vertex[hangs])), 'hanging node')}: the vertex at {place(mesh.points[vertex[first]])} "
+            f"lies inside the edge from {place(a)} to {place(b)} of a triangle it does not belong to, so the two sides can "
+            f"move apart. {MERGE}, so that both sides share one curve, and mesh again"
+        )
+
+
+def _parts(mesh: Mesh, part: Ints, n_parts: int) -> list[str]:
+    if n_parts > 1:
+        part_of_triangle = part[mesh.triangles[:, 0]]
+        sizes = np.bincount(part_of_triangle, minlength=n_parts)
+        smallest = int(np.argmin(sizes))
+        inside = int(np.flatnonzero(part_of_triangle == smallest)[0])
+        middle = mesh.points[mesh.triangles[inside]].mean(axis=0)
+        return [
+            f"the mesh falls into {n_parts} parts that are not connected; each needs supports of its own. The smallest has "
+            f"{count(int(sizes[smallest]), 'triangle')} near {place(middle)}"
+        ]
+    sheets = sheet_parts(mesh)
+    n_sheets = int(sheets.max()) + 1
+    if n_sheets == 1:
+        return []
+    seen = np.zeros((len(mesh.points), 2), dtype=np.int64)  # lowest and highest sheet at each vertex
+    seen[:, 0] = n_sheets
+    np.minimum.at(seen[:, 0], mesh.triangles.ravel(), np.repeat(sheets, 3))
+    np.maximum.at(seen[:, 1], mesh.triangles.ravel(), np.repeat(sheets, 3))
+    pivot = int(np.flatnonzero(seen[:, 0] < seen[:, 1])[0])
+    return [
+        f"{n_sheets} parts of the mesh hang together by single vertices only, e.g. at {place(mesh.points[pivot])}: "
+        "they can turn about each other there"
+    ]

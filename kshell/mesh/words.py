@@ -1,0 +1,37 @@
+"""How the mesh messages speak of places, lists and counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+def place(point: ArrayLike) -> str:
+    """Coordinates as the user writes them; z is left out where it is zero."""
+    x = np.asarray(point, dtype=float).ravel()
+    if len(x) == 3 and x[2] == 0.0:
+        x = x[:2]
+    return "(" + ", ".join(f"{c + 0.0:.6g}" for c in x) + ")"
+
+
+def quoted(names: Iterable[str], limit: int = 12) -> str:
+    """Names in quotes, cut off after `limit`."""
+    names = list(names)
+    text = ", ".join(f"'{name}'" for name in names[:limit])
+    return text + (f" and {len(names) - limit} more" if len(names) > limit else "")
+
+
+def count(number: int, one: str, many: str | None = None) -> str:
+    """ "1 triangle", "3 triangles"."""
+    return f"{number} {one if number == 1 else many or one + 's'}"
+
+
+def nearest_name(name: str, names: Sequence[str]) -> str | None:
+    """The most similar name, upper and lower case alike, or None when nothing is similar."""
+    from difflib import get_close_matches
+
+    by_folded = {known.casefold(): known for known in names}
+    close = get_close_matches(name.casefold(), list(by_folded), n=1, cutoff=0.5)
+    return by_folded[close[0]] if close else None
