@@ -2,7 +2,7 @@
 
 The energy of a triangle is 1/2 s . K s with s = (c, l). Here c are the coefficients of the membrane strain
 E = sum_r c_r Phi_r, and l_r = int kappa : tau_r the curvature measured by the moment functions
-tau_r = Phi_r / J. Moments m are unknowns of the triangle alone (Hellan, Herrmann, Johnson); with the energy
+tau_r = Phi_r / J^2. Moments m are unknowns of the triangle alone (Hellan, Herrmann, Johnson); with the energy
 w(E, kappa) of the section, the triangle maximises
 
     m . l - int w*(E, M) J,   M = sum_r m_r tau_r,   w* = 1/2 (M - B E) . D^-1 (M - B E) - 1/2 E . A E,
@@ -71,14 +71,14 @@ def triangle_stiffness(surface: Surface, section: Section, triangles: slice) -> 
 
     flexibility = np.linalg.inv(d)
     n = reference.strains
-    bending = np.linalg.inv(_integrate(reference, 1 / j, product(moment, flexibility, moment)))
+    bending = np.linalg.inv(_integrate(reference, 1 / j**3, product(moment, flexibility, moment)))
     result = np.zeros((len(j), 2 * n, 2 * n))
     result[:, n:, n:] = 0.5 * (bending + bending.swapaxes(1, 2))
     coupled = bool(np.any(section.coupling))
     membrane = a - b @ flexibility @ b if coupled else a
     result[:, :n, :n] = _integrate(reference, j, product(strain, membrane, strain))
     if coupled:
-        mixed = _integrate(reference, np.ones_like(j), product(moment, flexibility @ b, strain))
+        mixed = _integrate(reference, 1 / j, product(moment, flexibility @ b, strain))
         carried = result[:, n:, n:] @ mixed
         result[:, n:, :n] = carried
         result[:, :n, n:] = carried.swapaxes(1, 2)

@@ -112,7 +112,8 @@ class Surface:
         )
         self.rotation_start = 3 * self.node_count
         self.unknowns = self.rotation_start + p * len(self.rotation_owner)
-        translations = (3 * self.triangle_nodes[:, :, None] + np.arange(3)).reshape(len(mesh.triangles), -1)
+        # component by component: all x of the nodes of the triangle, then y, then z
+        translations = (3 * self.triangle_nodes[:, None, :] + np.arange(3)[:, None]).reshape(len(mesh.triangles), -1)
         self.triangle_unknowns: Ints = np.concatenate(
             [translations, self.rotation_start + self.triangle_rotations], axis=1
         ).astype(np.int32)

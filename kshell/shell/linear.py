@@ -1,0 +1,100 @@
+"""Small deflections: one factorisation, refined with forces computed from strains.
+
+In a thin shell the stiffness matrix holds membrane entries (R / t)^2 times larger than the bending that
+resists inextensional motion, and rounding of the matrix alone costs that many digits. Forces computed
+triangle by triangle from strains do not suffer from it, so refinement with them recovers the digits.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.errors import SolveError
+from kshell.shell.koiter import Koiter
+from kshell.shell.supports import Reduction
+from kshell.solve.backends import Singular, installed_backends
+
+Floats = NDArray[np.float64]
+
+MOST_REFINEMENTS = 12
+# relative energy of the last correction; the error of the solution is about its square root smaller
+FINISHED = 1e-20
+HOPELESS = 1e-4
+
+
+class LinearSolution(NamedTuple):
+    """Answer of a linear solve.
+
+    Attributes
+    ----------
+    x : (unknowns,)
+    forces : (unknowns,)
+        Internal forces and moments less the loads: what the supports exert.
+    stress : (triangle, 2 r)
+    corrections : tuple of float
+        Relative energy norm of each correction, the first that of the solution itself, 1.
+    """
+
+    x: Floats
+    forces: Floats
+    stress: Floats
+    corrections: tuple[float, ...]
+
+
+def solve_linear(
+    koiter: Koiter, load: Floats, reduction: Reduction, springs: sp.spmatrix | None = None
+) -> LinearSolution:
+    """Displacements under a load.
+
+    Parameters
+    ----------
+    load : (unknowns,)
+    reduction : Reduction
+        From `Supports.reduction`.
+    springs : (unknowns, unknowns) sparse, optional
+        Stiffness of elastic supports.
+
+    Raises
+    ------
+    SolveError
+        If the structure can move freely, or rounding leaves no digit.
+    """
+    stiffness = koiter.linear_stiffness()
+    if springs is not None:
+        stiffness = stiffness + springs
+    basis = reduction.basis
+    try:
+        solve, _ = installed_backends()[0].factorise((basis.T @ stiffness @ basis).tocsr())
+    except Singular as error:
+        raise SolveError(f"the shell can move freely, or its stiffness is not positive ({error})") from error
+
+    x = reduction.given.copy()
+    energy, corrections = 0.0, []
+    for _ in range(MOST_REFINEMENTS):
+        stress = koiter.stress(koiter.linear_strain(x))
+        forces = koiter.linear_forces(stress) - load
+        if springs is not None:
+            forces += springs @ x
+        residual = -(basis.T @ forces)
+        step = solve(residual)
+        gain = float(residual @ step)
+        if not np.isfinite(gain):
+            raise SolveError("the shell can move freely: the solution is not finite")
+        energy = max(energy, gain)
+        if energy == 0.0 or gain <= FINISHED * energy:
+            break
+        if len(corrections) > 1 and np.sqrt(gain / energy) > 0.5 * corrections[-1]:
+            break  # rounding: no further digit
+        corrections.append(float(np.sqrt(gain / energy)))
+        x = x + basis @ step
+    if corrections and len(corrections) > 1 and corrections[-1] > HOPELESS:
+        raise SolveError(
+            f"rounding leaves a relative error of {corrections[-1]:.1e} in the energy norm: the shell is too thin "
+            "for the mesh, or hangs on too little",
+            state=x,
+        )
+    return LinearSolution(x, forces, stress, tuple(corrections))
