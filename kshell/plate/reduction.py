@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 DEPENDENT = 1e-8  # eigenvalues of the rows' Gram matrix below this are free directions
-CONFLICT = 1e-7
+CONFLICT = 1e-4  # values read off curved edges by interpolation agree only so far
 
 
 @dataclass
@@ -42,6 +42,9 @@ class Conditions:
     triangle_edges, triangles, triangle_rows
         Lists of (n,) edges, (n,) triangles and (n, local) rows on physical degrees of freedom that
         determine the edges' degrees of freedom from the others of the triangle.
+    slope_vertices, slopes
+        Lists of (n,) vertices and (n, 2) directions in which the slope vanishes, for multigrid: what holds
+        along an edge, whether the element has gradients at its vertices or not.
     """
 
     vertices: list[Ints] = field(default_factory=list)
@@ -51,6 +54,8 @@ class Conditions:
     triangle_edges: list[Ints] = field(default_factory=list)
     triangles: list[Ints] = field(default_factory=list)
     triangle_rows: list[Floats] = field(default_factory=list)
+    slope_vertices: list[Ints] = field(default_factory=list)
+    slopes: list[Floats] = field(default_factory=list)
 
     def at_vertices(self, vertices: NDArray[np.integer], rows: Floats, values: Floats | float = 0.0) -> None:
         """Add one row per vertex; rows are normalised here."""
@@ -139,7 +144,8 @@ class Reduction:
         return place
 
     @cached_property
-    def _slaves_by_triangle(self) -> dict[int, list[int]]:
+    def slaves_by_triangle(self) -> dict[int, list[int]]:
+        """Positions in `slave_edges` by triangle."""
         table: dict[int, list[int]] = {}
         for k, t in enumerate(self.slave_triangles.tolist()):
             table.setdefault(t, []).append(k)
@@ -147,7 +153,7 @@ class Reduction:
 
     def _elimination(self, triangle: int) -> tuple[Ints, Floats]:
         """Local slave positions of a triangle, and their rows on the other degrees of freedom."""
-        chosen = self._slaves_by_triangle[triangle]
+        chosen = self.slaves_by_triangle[triangle]
         edges = self.layout.mesh.triangle_edges[triangle]
         first = 3 * self.layout.per_vertex
         local = np.array([first + int(np.flatnonzero(edges == self.slave_edges[k])[0]) for k in chosen])
@@ -172,7 +178,7 @@ class Reduction:
         """
         layout, b = self.layout, self.layout.per_vertex
         out = transform
-        if self._slaves_by_triangle:
+        if self.slaves_by_triangle:
             out = out.copy()
             for k in np.flatnonzero(np.isin(triangles, self.slave_triangles)):
                 local, rows = self._elimination(int(triangles[k]))
@@ -201,7 +207,7 @@ class Reduction:
 
     def _fill_slaves(self, d: Floats) -> None:
         """Set the edges that depend on their triangle."""
-        for t in self._slaves_by_triangle:
+        for t in self.slaves_by_triangle:
             dofs = self.layout.triangle_dofs(np.array([t]))[0]
             local, rows = self._elimination(t)
             d[dofs[local]] = rows @ d[dofs]
@@ -224,9 +230,9 @@ class Reduction:
         value.append(self.bases[keep] * layout.scale[grid_row[keep]])
         shape = (layout.count, self.count)
         t = sp.csr_matrix((np.concatenate(value), (np.concatenate(row), np.concatenate(column))), shape=shape)
-        if self._slaves_by_triangle:
+        if self.slaves_by_triangle:
             parts_row, parts_column, parts_value = [], [], []
-            for triangle in self._slaves_by_triangle:
+            for triangle in self.slaves_by_triangle:
                 dofs = layout.triangle_dofs(np.array([triangle]))[0]
                 local, rows = self._elimination(triangle)
                 parts_row.append(np.repeat(dofs[local], len(dofs)))

@@ -34,15 +34,27 @@ Ints = NDArray[np.int64]
 
 SAMPLES = np.linspace(0.0, 1.0, 6)  # where prescribed values are read along an edge: a quintic
 SYMMETRY_STRAIGHT = 1e-6
+NONE = np.zeros(0, dtype=np.int64)
 
 
 @dataclass
 class HeldGroup:
-    """What one support holds, for reactions: names, vertices and edges with held rotation."""
+    """What one support holds, for reactions.
+
+    Attributes
+    ----------
+    label : str
+    vertices : (n,) int array
+    edges : (n,) int array
+        Edges whose slope is held.
+    line : (n,) int array
+        Edges along which the deflection is held.
+    """
 
     label: str
     vertices: Ints
     edges: Ints
+    line: Ints
 
 
 @dataclass
@@ -134,9 +146,11 @@ class _Builder:
             value = self._value(support, self.domain.points[vertices])
             conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
         if holds_r:
-            for dof in (1, 2):
+            for dof, axis in zip((1, 2), np.eye(2), strict=True):
                 conditions.at_vertices(vertices, self._row({dof: 1.0}, len(vertices)))
-        self.out.held.append(HeldGroup(selection.label, vertices, np.zeros(0, dtype=np.int64)))
+                conditions.slope_vertices.append(vertices)
+                conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
+        self.out.held.append(HeldGroup(selection.label, vertices, NONE, NONE))
 
     def _surface(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
         if not holds_w:
@@ -151,14 +165,15 @@ class _Builder:
         self.out.conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
         for dof in range(1, self.layout.per_vertex):
             self.out.conditions.at_vertices(vertices, self._row({dof: 1.0}, len(vertices)))
+        for axis in np.eye(2):
+            self.out.conditions.slope_vertices.append(vertices)
+            self.out.conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
         edges = np.unique(self.mesh.triangle_edges[selection.members]).astype(np.int64)
         self.out.conditions.edges.append(edges)
-        self.out.held.append(HeldGroup(selection.label, vertices, edges))
+        self.out.held.append(HeldGroup(selection.label, vertices, edges, NONE))
 
     def _curves_of(self, edges: Ints) -> EdgeCurves:
         """Shape of a line of supports: the plate's own edge where it is one, a line inside elsewhere."""
-        if not self.rich:
-            return edge_curves(self.mesh, np.zeros(0, dtype=np.int32))
         boundary = self.domain.boundary
         inside = np.setdiff1d(edges, boundary.edges)
         if not len(inside):
@@ -182,8 +197,14 @@ class _Builder:
         if holds_w and not self.rich:
             value = self._value(support, self.domain.points[vertices])
             self.out.conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
+        place_in = curves.place(edges)
+        for end in range(2):
+            t = curves.tangent[place_in, end]
+            directions = [t] * holds_w + [np.stack([t[:, 1], -t[:, 0]], axis=1)] * holds_r
+            for direction in directions:
+                self.out.conditions.slope_vertices.append(ends[:, end].astype(np.int64))
+                self.out.conditions.slopes.append(direction)
         if self.rich:
-            place_in = curves.place(edges)
             values = self._edge_values(support, edges) if holds_w else np.zeros((len(edges), 2, 3))
             for end in range(2):
                 t = curves.tangent[place_in, end]
@@ -191,8 +212,9 @@ class _Builder:
                 self._edge_end(ends[:, end], t, k, values[:, end], holds_w, holds_r)
         if holds_r:
             self._edge_slopes(edges, curves)
-        held_edges = edges if holds_r else np.zeros(0, dtype=np.int64)
-        self.out.held.append(HeldGroup(selection.label, vertices if holds_w or self.rich else held_edges[:0], held_edges))
+        held_vertices = vertices if holds_w or self.rich else NONE
+        group = HeldGroup(selection.label, held_vertices, edges if holds_r else NONE, edges if holds_w else NONE)
+        self.out.held.append(group)
 
     def _edge_end(
         self, vertices: NDArray[np.integer], t: Floats, k: Floats, g: Floats, holds_w: bool, holds_r: bool
