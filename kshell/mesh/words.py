@@ -29,7 +29,8 @@ def count(number: int, one: str, many: str | None = None) -> str:
 
 
 def nearest_name(name: str, names: Sequence[str], cutoff: float = 0.5) -> str | None:
-    """The most similar name, upper and lower case alike, or None when nothing is similar (0 none, 1 equal)."""
+    """The most similar name, upper and lower case alike, or None when nothing is similar (0 none, 1 "
+    "equal)."""
     from difflib import get_close_matches
 
     by_folded = {known.casefold(): known for known in names}
