@@ -1,0 +1,106 @@
+"""Finite elements for Kirchhoff plates and Koiter shells that say how accurate they are.
+
+The public names are loaded when they are first used, so that `import kshell` is quick.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from kshell.errors import InputError, KshellError, KshellWarning, SolveError
+
+if TYPE_CHECKING:
+    from kshell.laminate import Layer
+    from kshell.loads import (
+        EdgeMoment,
+        Gravity,
+        InitialCurvature,
+        LineForce,
+        PointForce,
+        PointMoment,
+        Pressure,
+        Temperature,
+        Traction,
+    )
+    from kshell.material import Anisotropic, Isotropic, Orthotropic
+    from kshell.mesh import Mesh
+    from kshell.result import Result
+    from kshell.scene import Scene
+    from kshell.solving import solve
+    from kshell.supports import Clamped, Elastic, Fixed, Free, SimplySupported, Symmetry
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Anisotropic",
+    "Clamped",
+    "EdgeMoment",
+    "Elastic",
+    "Fixed",
+    "Free",
+    "Gravity",
+    "InitialCurvature",
+    "InputError",
+    "Isotropic",
+    "KshellError",
+    "KshellWarning",
+    "Layer",
+    "LineForce",
+    "Mesh",
+    "Orthotropic",
+    "PointForce",
+    "PointMoment",
+    "Pressure",
+    "Result",
+    "Scene",
+    "SimplySupported",
+    "SolveError",
+    "Symmetry",
+    "Temperature",
+    "Traction",
+    "__version__",
+    "geometry",
+    "solve",
+]
+
+# name: where it lives
+_LAZY = {
+    **dict.fromkeys(("Isotropic", "Orthotropic", "Anisotropic"), "kshell.material"),
+    "Layer": "kshell.laminate",
+    **dict.fromkeys(
+        ("Clamped", "SimplySupported", "Symmetry", "Free", "Fixed", "Elastic"), "kshell.supports"
+    ),
+    **dict.fromkeys(
+        (
+            "Pressure",
+            "Traction",
+            "Gravity",
+            "LineForce",
+            "EdgeMoment",
+            "PointForce",
+            "PointMoment",
+            "Temperature",
+            "InitialCurvature",
+        ),
+        "kshell.loads",
+    ),
+    "Mesh": "kshell.mesh",
+    "Scene": "kshell.scene",
+    "Result": "kshell.result",
+    "solve": "kshell.solving",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "geometry":
+        return import_module("kshell.geometry")
+    if name not in _LAZY:
+        raise AttributeError(f"module 'kshell' has no attribute {name!r}")
+    value = getattr(import_module(_LAZY[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -18,5 +18,5 @@ def listing(names: Iterable[str], most: int = 20) -> str:
 
 def suggestion(name: str, names: Iterable[str]) -> str:
     """`did you mean "left"? ` if one of the names is close to `name`, else the empty string."""
-    close = nearest_name(name, list(names))
+    close = nearest_name(name, list(names), cutoff=0.65)
     return f'did you mean "{close}"? ' if close else ""

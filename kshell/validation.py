@@ -24,6 +24,9 @@ def _plain(value: Any) -> Any:
 Number = Annotated[float, Strict(), BeforeValidator(_plain)]
 """A finite real number; text and booleans are not numbers."""
 
+Flag = Annotated[bool, Strict()]
+"""true or false, not 0 or 1."""
+
 CONFIG = ConfigDict(extra="forbid", arbitrary_types_allowed=True, allow_inf_nan=False)
 
 
@@ -57,7 +60,9 @@ def reworded(error: ValidationError, keys: list[str]) -> str:
     """The first complaint of pydantic as: key, value, what is wrong and how to mend it."""
     first = error.errors(include_url=False)[0]
     location = [str(part) for part in first["loc"]]
-    key = str(first["loc"][0]) if location else ""
+    key = location[0] if location else ""
+    if key.isdigit() and int(key) < len(keys):  # given by position
+        key = keys[int(key)]
     value = first.get("input")
     match first["type"]:
         case "unexpected_keyword_argument" | "extra_forbidden":
@@ -68,26 +73,28 @@ def reworded(error: ValidationError, keys: list[str]) -> str:
             | "missing_keyword_only_argument"
             | "missing_positional_only_argument"
         ):
-            place = int(key) if key.isdigit() else None
-            return f"{keys[place] if place is not None else key} is missing: give a value for it"
+            return f"{key} is missing: give a value for it"
         case "unexpected_positional_argument":
             return f"too many values in a row: the keys are {listing(keys)}"
         case "multiple_argument_values":
             return f"{key} is given twice"
         case "value_error":
-            return str(first["ctx"]["error"])
+            complaint = str(first["ctx"]["error"])
+            return (
+                f"{key}: {complaint}"
+                if complaint.startswith("expression ")
+                else f"{key} = {value!r}: {complaint}"
+            )
         case "literal_error":
             wanted = first["ctx"]["expected"]
             return f"{key} = {value!r}: must be one of {wanted}"
-    names = [keys[int(key)] if key.isdigit() and int(key) < len(keys) else key, *location[1:2]]
-    shown = ".".join(part for part in names if part and not part.startswith(("function-", "tuple[", "list[")))
     expected = {
         "float_type": "must be a number (without quotes or units)",
         "finite_number": "must be a finite number",
         "string_type": "must be text",
         "bool_type": "must be true or false",
     }.get(first["type"], first["msg"][0].lower() + first["msg"][1:])
-    return f"{shown} = {value!r}: {expected}"
+    return f"{key} = {value!r}: {expected}"
 
 
 def unknown_key(key: str, keys: list[str]) -> str:

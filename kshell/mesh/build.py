@@ -22,9 +22,6 @@ from kshell.mesh.words import count, place, quoted
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# the six nodes of a triangle after swapping its corners 1 and 2
-REVERSED_NODES = [0, 2, 1, 5, 4, 3]
-
 
 def build(raw: RawMesh) -> Mesh:
     """The checked mesh.
@@ -49,18 +46,17 @@ def build(raw: RawMesh) -> Mesh:
         notes.append(f"{count(n_idle, 'node')} of no triangle left out")
 
     check.areas(points, triangles, raw.source)
-    flat = check.is_flat(points)
-    reverse = to_reverse(points, triangles, flat, raw.source)
-    if reverse.any():
-        triangles[reverse] = triangles[reverse][:, [0, 2, 1]]
-        if middle_nodes is not None:
-            middle_nodes = middle_nodes.copy()
-            middle_nodes[reverse] = middle_nodes[reverse][:, [2, 1, 0]]
-        why = "normals point along +z" if flat else "neighbours agree on the normal"
-        notes.append(f"{reverse.sum()} of {count(len(triangles), 'triangle')} reversed so that {why}")
-
     bare = Mesh(points, triangles.astype(np.int32), source=raw.source)
     midpoints = None if middle_nodes is None else _midpoints(bare, raw.points, middle_nodes)
+    flat = check.is_flat(points)
+    reverse = to_reverse(bare, flat)
+    if reverse.any():
+        bare = reversed_triangles(bare, reverse)
+        why = "normals point along +z" if flat else "neighbours agree on the normal"
+        notes.append(f"{reverse.sum()} of {count(len(triangles), 'triangle')} reversed so that {why}")
+    if midpoints is not None:
+        check.curved_triangles(bare, midpoints)
+
     groups = _groups(raw, bare, vertex_of, row_of, notes)
     mesh = _changed(bare, midpoints=midpoints, groups=groups)
     notes += check.connections(mesh)
@@ -68,11 +64,22 @@ def build(raw: RawMesh) -> Mesh:
 
 
 def _changed(mesh: Mesh, **changes: Any) -> Mesh:
-    """The mesh with other attributes but the same points and triangles; the edge table is kept, being costly."""
+    """The mesh with other attributes but the same points and triangles; the edge table is kept, being "
+    "costly."""
     new = replace(mesh, **changes)
     new.__dict__.update(
         {name: mesh.__dict__[name] for name in ("_edge_table", "edge_lengths") if name in mesh.__dict__}
     )
+    return new
+
+
+def reversed_triangles(mesh: Mesh, which: NDArray[np.bool_]) -> Mesh:
+    """The mesh with some triangles (a, b, c) turned to (a, c, b); edges keep their numbers."""
+    triangles, triangle_edges = mesh.triangles.copy(), mesh.triangle_edges.copy()
+    triangles[which] = triangles[which][:, [0, 2, 1]]
+    triangle_edges[which] = triangle_edges[which][:, [2, 1, 0]]
+    new = replace(mesh, triangles=triangles)
+    new.__dict__["_edge_table"] = (mesh.edges, triangle_edges)
     return new
 
 
@@ -90,6 +97,9 @@ def unify(triangles: Ints) -> tuple[Ints, Ints]:
     n = int(corners.max()) + 1
     if n < 2_000_000:  # three indices fit one 64-bit key
         key = (corners[:, 0] * n + corners[:, 1]) * n + corners[:, 2]
+        in_order = np.sort(key)  # most meshes have no copies, and sorting alone is quick
+        if (in_order[1:] != in_order[:-1]).all():
+            return triangles, np.arange(len(triangles))
         _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
     else:
         _, first, inverse = np.unique(corners, axis=0, return_index=True, return_inverse=True)
@@ -131,10 +141,11 @@ def _midpoints(mesh: Mesh, node_points: Floats, middle_nodes: Ints) -> Floats:
     if len(far):
         edge = edges[given][far[0]]
         raise InputError(
-            f"{mesh.source}: the two triangles at the edge near {place(midpoints[edge])} have different mid-edge "
-            f"nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn there. Mesh again in one piece"
+            f"{mesh.source}: the two triangles at the edge near {place(midpoints[edge])} have different "
+            f"mid-edge "
+            f"nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn there. "
+            f"Mesh again in one piece"
         )
-    check.curved_triangles(mesh, midpoints)
     return midpoints
 
 
@@ -161,11 +172,14 @@ def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list
         groups[key] = Group(dimension, members, tags[0] if tags else None, lost)
         if lost:
             notes.append(
-                f"group '{key}': {lost} of its {count(lost + len(members), KIND_OF_DIMENSION[dimension] + ' cell')} "
+                f"group '{key}': {lost} of its "
+                f"{count(lost + len(members), KIND_OF_DIMENSION[dimension] + ' cell')} "
                 "belong to no triangle, so it cannot be used whole"
             )
-        elif not len(members):
-            notes.append(f"group '{key}' is empty")
+    empty = [name for name, group in groups.items() if not len(group.members) and not group.lost]
+    if empty:
+        saved_all = " (an MSH 2.2 file saved with `Mesh.SaveAll = 1` loses its groups: save as MSH 4.1)"
+        notes.append(f"no cells in {quoted(empty)}{saved_all if len(empty) == len(groups) else ''}")
     twice = [name for name, dimensions in dimensions_of.items() if len(dimensions) > 1]
     if twice:
         both = [f"{name} ({KIND_OF_DIMENSION[d]})" for name in twice for d in sorted(dimensions_of[name])]

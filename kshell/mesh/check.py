@@ -28,9 +28,11 @@ FLAT = 1e-9
 
 HOW_TO_TRIANGLES = {
     "quadrilaterals": "In the .geo file remove `Recombine Surface`, `Transfinite ... Recombine` and "
-    "`Mesh.RecombineAll`; in Python leave out `gmsh.model.mesh.setRecombine`; a file without its geometry is split by "
+    "`Mesh.RecombineAll`; in Python leave out `gmsh.model.mesh.setRecombine`; a file without its geometry "
+    "is split by "
     "scikit-fem's `MeshQuad.load(...).to_meshtri()`",
-    "solid cells": "kshell models the midsurface of a thin body: describe that surface, and mesh in two dimensions, "
+    "solid cells": "kshell models the midsurface of a thin body: describe that surface, and mesh in two "
+    "dimensions, "
     "`gmsh -2 file.geo`, without a Physical Volume",
     "triangles of order 3 or higher": "Set `Mesh.ElementOrder = 2;` (or 1) and mesh again",
 }
@@ -41,14 +43,14 @@ def only_triangles(raw: RawMesh) -> None:
     if raw.other_cells:
         what = " and ".join(f"{number} {kind}" for kind, number in raw.other_cells.items())
         first = next(iter(raw.other_cells))
-        raise InputError(
-            f"{raw.source}: has {what}, kshell takes triangles only. {HOW_TO_TRIANGLES.get(first, '')}".rstrip()
-        )
+        how = HOW_TO_TRIANGLES.get(first, "Mesh again with triangles")
+        raise InputError(f"{raw.source}: has {what}, but kshell takes triangles only. {how}")
     if len(raw.triangles):
         return
     if raw.segments:
         raise InputError(
-            f"{raw.source}: has {count(raw.segments, 'line cell')} but no triangles. Mesh the surface, `gmsh -2 file.geo`; "
+            f"{raw.source}: has {count(raw.segments, 'line cell')} but no triangles. Mesh the surface, "
+            f"`gmsh -2 file.geo`; "
             "where physical groups exist gmsh saves nothing else, so the surface needs one too: "
             '`Physical Surface("plate") = {1};`'
         )
@@ -60,25 +62,27 @@ def usable_nodes(points: Floats, triangles: Ints, source: str) -> None:
     low, high = int(triangles[:, :3].min()), int(triangles.max())
     if low < 0 or high >= len(points):
         bad = low if low < 0 else high
-        row = int(np.flatnonzero((triangles == bad).any(axis=1))[0])
+        row = int(np.flatnonzero(np.equal(triangles, bad).any(axis=1))[0])
         raise InputError(
             f"{source}: triangle {row} names node {bad}, but there are nodes 0 to {len(points) - 1} only"
         )
-    finite = np.isfinite(points).all(axis=1)
+    finite: NDArray[np.bool_] = np.all(np.isfinite(points), axis=1)
     if not finite.all():
         nodes = np.unique(triangles[triangles >= 0])
         broken = nodes[~finite[nodes]]
         if len(broken):
             raise InputError(
-                f"{source}: {count(len(broken), 'node')} of the triangles have coordinates that are not finite numbers, "
+                f"{source}: {count(len(broken), 'node')} of the triangles have coordinates that are not "
+                f"finite numbers, "
                 f"e.g. node {broken[0]}: {points[broken[0]].tolist()}. Repair the file or export it again"
             )
-    a, b, c = triangles[:, :3].T
-    same = np.flatnonzero((a == b) | (b == c) | (a == c))
+    corners = triangles[:, :3]
+    same = np.flatnonzero(np.equal(corners, np.roll(corners, 1, axis=1)).any(axis=1))
     if len(same):
         where = place(points[triangles[same[0], 0]])
         raise InputError(
-            f"{source}: {count(len(same), 'triangle')} with the same corner twice, e.g. triangle {same[0]} at {where}. "
+            f"{source}: {count(len(same), 'triangle')} with the same corner twice, e.g. triangle "
+            f"{same[0]} at {where}. "
             "Remove such cells, or mesh again"
         )
 
@@ -91,22 +95,29 @@ def nodes_and_vertices(points: Floats, vertex_of: Ints, middle_nodes: Ints | Non
     both = nodes[vertex_of[nodes] >= 0]
     if len(both):
         raise InputError(
-            f"{source}: the node at {place(points[both[0]])} is a corner of one triangle and a mid-edge node of another "
-            f"({count(len(np.unique(both)), 'such node')}): the mesh does not fit together there. Mesh again in one piece"
+            f"{source}: the node at {place(points[both[0]])} is a corner of one triangle and a mid-edge "
+            f"node of another "
+            f"({count(len(np.unique(both)), 'such node')}): the mesh does not fit together there. Mesh "
+            f"again in one piece"
         )
 
 
 def areas(points: Floats, triangles: Ints, source: str) -> None:
     """Raise where a triangle has no area."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
-    twice_area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    longest = np.max([np.sum((b - a) ** 2, 1), np.sum((c - b) ** 2, 1), np.sum((a - c) ** 2, 1)], axis=0)
+    u, v = (b - a).T, (c - a).T
+    longest = np.max([(u * u).sum(axis=0), (v * v).sum(axis=0), ((u - v) ** 2).sum(axis=0)], axis=0)
+    twice_area = np.sqrt(
+        (u[1] * v[2] - u[2] * v[1]) ** 2 + (u[2] * v[0] - u[0] * v[2]) ** 2 + (u[0] * v[1] - u[1] * v[0]) ** 2
+    )
     bad = np.flatnonzero(twice_area <= NO_AREA * longest)
     if len(bad):
         middle = (a + b + c)[bad[0]] / 3
         raise InputError(
-            f"{source}: {count(len(bad), 'triangle')} without area, e.g. triangle {bad[0]} at {place(middle)}. Such cells come "
-            "from edges or faces of the geometry that are too short: merge them (`Geometry.Tolerance`, `Coherence;`) "
+            f"{source}: {count(len(bad), 'triangle')} without area, e.g. triangle {bad[0]} at "
+            f"{place(middle)}. Such cells come "
+            "from edges or faces of the geometry that are too short: merge them (`Geometry.Tolerance`, "
+            "`Coherence;`) "
             "and mesh again"
         )
 
@@ -132,8 +143,10 @@ def curved_triangles(mesh: Mesh, midpoints: Floats) -> None:
     if len(bad):
         first = bad[np.argmin(worst[bad])]
         raise InputError(
-            f"{mesh.source}: {count(len(bad), 'triangle')} of order 2 turned inside out by their mid-edge nodes, the worst at "
-            f"{place(x[first, :3].mean(axis=0))}. Mesh finer along the curved edge, or use gmsh's optimisation: "
+            f"{mesh.source}: {count(len(bad), 'triangle')} of order 2 turned inside out by their mid-edge "
+            f"nodes, the worst at "
+            f"{place(x[first, :3].mean(axis=0))}. Mesh finer along the curved edge, or use gmsh's "
+            f"optimisation: "
             "`Mesh.HighOrderOptimize = 2;`"
         )
 
@@ -160,7 +173,8 @@ def connections(mesh: Mesh) -> list[str]:
     if len(branches):
         middle = mesh.points[mesh.edges[branches[0]]].mean(axis=0)
         notes.append(
-            f"{count(len(branches), 'edge')} shared by more than two triangles, e.g. at {place(middle)}: sheets of a shell "
+            f"{count(len(branches), 'edge')} shared by more than two triangles, e.g. at {place(middle)}: "
+            f"sheets of a shell "
             "branch there"
         )
     return notes
@@ -199,8 +213,10 @@ def plate_problems(mesh: Mesh) -> None:
         if distance > 1e-7 * mesh.size:
             off = np.abs((mesh.points - centre) @ normal)
             raise InputError(
-                f"{mesh.source}: not planar, so it is no plate: nodes lie up to {distance:.3g} off the best plane, e.g. the "
-                f'vertex {place(mesh.points[np.argmax(off)])}. Flatten it, or solve it as a shell (model = "shell")'
+                f"{mesh.source}: not planar, so it is no plate: nodes lie up to {distance:.3g} off the "
+                f"best plane, e.g. the "
+                f"vertex {place(mesh.points[np.argmax(off)])}. Flatten it, or solve it as a shell (model "
+                f'= "shell")'
             )
         axis = np.argmax(np.abs(normal))
         if normal[axis] > 1 - 1e-12:
@@ -212,14 +228,18 @@ def plate_problems(mesh: Mesh) -> None:
         axis_text = ", ".join(f"{c:.6g}" for c in turn / np.linalg.norm(turn) + 0.0)
         about = ", ".join(f"{c:.6g}" for c in centre)
         raise InputError(
-            f"{mesh.source}: lies in the plane {plane}, but a plate lies in a plane z = const. Turn it there, in the .geo file with "
-            f"`Rotate {{{{{axis_text}}}, {{{about}}}, {angle:.12g}}} {{ Surface{{:}}; }}`, or solve it as a shell "
+            f"{mesh.source}: lies in the plane {plane}, but a plate lies in a plane z = const. Turn it "
+            f"there, in the .geo file with "
+            f"`Rotate {{{{{axis_text}}}, {{{about}}}, {angle:.12g}}} {{ Surface{{:}}; }}`, or solve it as "
+            f"a shell "
             '(model = "shell")'
         )
     branches = np.flatnonzero(mesh.edge_counts > 2)
     if len(branches):
         middle = mesh.points[mesh.edges[branches[0]]].mean(axis=0)
         raise InputError(
-            f"{mesh.source}: {count(len(branches), 'edge')} shared by more than two triangles, e.g. at {place(middle)}: "
-            "in a plane that means triangles lie upon each other. Remove the copies, or mesh again in one piece"
+            f"{mesh.source}: {count(len(branches), 'edge')} shared by more than two triangles, e.g. at "
+            f"{place(middle)}: "
+            "in a plane that means triangles lie upon each other. Remove the copies, or mesh again in one "
+            "piece"
         )

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 # number of nodes of each type of cell in the MSH format (gmsh reference manual, "MSH file format")
-_NODES = """1:2 2:3 3:4 4:4 5:8 6:6 7:5 8:3 9:6 10:9 11:10 12:27 13:18 14:14 15:1 16:8 17:20 18:15 19:13 20:9 21:10
-22:12 23:15 24:15 25:21 26:4 27:5 28:6 29:20 30:35 31:56 62:7 63:8 64:9 65:10 66:11 92:64 93:125 36:16 37:25 38:36
-42:28 43:36 44:45 45:55 46:66"""
+_NODES = """
+1:2 2:3 3:4 4:4 5:8 6:6 7:5 8:3 9:6 10:9 11:10 12:27 13:18 14:14 15:1 16:8 17:20 18:15 19:13 20:9 21:10 22:12
+23:15 24:15 25:21 26:4 27:5 28:6 29:20 30:35 31:56 36:16 37:25 38:36 42:28 43:36 44:45 45:55 46:66 62:7 63:8
+64:9 65:10 66:11 92:64 93:125
+"""
 NODES_OF_TYPE = {int(pair.split(":")[0]): int(pair.split(":")[1]) for pair in _NODES.split()}
 
 # types kshell uses: dimension
@@ -41,8 +43,11 @@ class CellBlock:
         Node tags.
     tags : tuple of int
         Physical tags; negative where the group takes the cells the other way round.
+    entity : tuple of int
+        The number of the curve or surface the cells lie on, where the format tells; empty for points.
     """
 
     cell_type: int
     nodes: NDArray[np.int64]
     tags: tuple[int, ...]
+    entity: tuple[int, ...] = ()

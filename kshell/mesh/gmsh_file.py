@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,10 @@ from kshell.mesh.raw import RawGroup, RawMesh
 
 Ints = NDArray[np.int64]
 
-OTHER_VERSION = "Save it as version 4.1, `gmsh {name} -save -format msh41 -o new.msh`, or set `Mesh.MshFileVersion = 4.1;`"
+OTHER_VERSION = (
+    "Save it as version 4.1, `gmsh {name} -save -format msh41 -o new.msh`, "
+    "or set `Mesh.MshFileVersion = 4.1;`"
+)
 _NAME_LINE = re.compile(r'^\s*(\d)\s+(-?\d+)\s+"(.*)"\s*$')
 
 
@@ -39,7 +43,8 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
         raise InputError(f"{source}: the file is empty. Mesh again, `gmsh -2 file.geo -o file.msh`")
     if not data.lstrip().startswith((b"$MeshFormat", b"$Comments", b"$NOD")):
         raise InputError(
-            f"{source}: not a gmsh file: it does not begin with $MeshFormat. Is it of another format or cut off?"
+            f"{source}: not a gmsh file: it does not begin with $MeshFormat. Is it of another format or "
+            f"cut off?"
         )
     found = sections(data, source)
     if "MeshFormat" not in found:
@@ -48,7 +53,8 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
     for name in ("Nodes", "Elements"):
         if name not in found:
             raise InputError(
-                f"{source}: has no ${name}: the file was saved before meshing or cut off. Mesh again, `gmsh -2 file.geo`"
+                f"{source}: has no ${name}: the file was saved before meshing or cut off. Mesh again, "
+                f"`gmsh -2 file.geo`"
             )
     if version == "2.2":
         tags, points = msh2.read_nodes(found["Nodes"], binary, byte_order)
@@ -62,6 +68,14 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
         tags, points = msh4.read_nodes(found["Nodes"], binary, byte_order)
         blocks = msh4.read_cells(found["Elements"], binary, byte_order, entities)
     names = _physical_names(found["PhysicalNames"]) if "PhysicalNames" in found else {}
+    if not names and not any(block.tags for block in blocks):
+        blocks = [replace(block, tags=block.entity) for block in blocks]
+        raw = _raw_mesh(tags, points, blocks, names, source)
+        if raw.groups:
+            raw.notes.append(
+                "no physical groups: curves and surfaces are called by gmsh's own numbers, e.g. '1:2'"
+            )
+        return raw
     return _raw_mesh(tags, points, blocks, names, source)
 
 
@@ -74,13 +88,15 @@ def _format(section: Section) -> tuple[str, bool, str]:
     version = {"2": "2.2", "2.0": "2.2", "2.1": "2.2", "2.2": "2.2", "4.1": "4.1"}.get(words[0])
     if version is None:
         raise InputError(
-            f"{section.source}: MSH version {words[0]} is not read. {OTHER_VERSION.format(name=section.source)}"
+            f"{section.source}: MSH version {words[0]} is not read. "
+            f"{OTHER_VERSION.format(name=section.source)}"
         )
     if words[1] == "0":
         return version, False, "="
     if words[2] != "8":
         raise InputError(
-            f"{section.source}: binary with numbers of {words[2]} bytes instead of 8. {OTHER_VERSION.format(name=section.source)}"
+            f"{section.source}: binary with numbers of {words[2]} bytes instead of 8. "
+            f"{OTHER_VERSION.format(name=section.source)}"
         )
     if rest[:4] == (1).to_bytes(4, "little"):
         return version, True, "<"
@@ -145,7 +161,8 @@ def _raw_mesh(
 
 
 def _turned(nodes: Ints, tags: tuple[int, ...]) -> Ints:
-    """Cells the other way round if their group asks for it by a negative tag (gmsh: `Physical Surface(1) = {-5};`)."""
+    """Cells the other way round if their group asks for it by a negative tag (gmsh: `Physical Surface(1) "
+    "= {-5};`)."""
     if not tags or max(tags) > 0:
         return nodes
     return nodes[:, [0, 2, 1, 5, 4, 3]] if nodes.shape[1] == 6 else nodes[:, [0, 2, 1]]
@@ -173,7 +190,8 @@ class _NodeNumbers:
         known[inside] = self._sorted[place[inside]] == tags[inside]
         if not known.all():
             raise InputError(
-                f"{self._source}: a cell names node {tags[~known][0]}, which the file does not hold. The file is damaged: "
+                f"{self._source}: a cell names node {tags[~known][0]}, which the file does not hold. The "
+                f"file is damaged: "
                 "write it again"
             )
         numbers: Ints = self._order[place]

@@ -31,7 +31,7 @@ def read_nodes(section: Section, binary: bool, byte_order: str) -> tuple[Ints, F
             raise section.fail(f"ends before its {n} nodes have come")
         nodes = np.frombuffer(rest.data, record, n)
         return nodes["tag"].astype(np.int64), nodes["x"].astype(float)
-    numbers = rest.text_numbers()
+    numbers = rest.text_floats()
     if len(numbers) != 4 * n:
         raise section.fail(f"announces {n} nodes but holds {len(numbers)} numbers instead of {4 * n}")
     rows = numbers.reshape(n, 4)
@@ -44,7 +44,7 @@ def read_cells(section: Section, binary: bool, byte_order: str) -> list[CellBloc
     if binary:
         numbers = np.frombuffer(rest.data, f"{byte_order}i4", len(rest.data) // 4).astype(np.int64)
         return _from_binary(section, numbers, n)
-    return _from_text(section, rest.text_numbers().astype(np.int64), n)
+    return _from_text(section, rest.text_integers(), n)
 
 
 def _from_text(section: Section, numbers: Ints, n: int) -> list[CellBlock]:
@@ -86,9 +86,12 @@ def _blocks(numbers: Ints, types: Ints, n_tags: Ints, tags_at: Ints) -> list[Cel
     if not len(types):
         return []
     physical = np.where(n_tags > 0, numbers[np.minimum(tags_at, len(numbers) - 1)], 0)
-    labels, group = np.unique(np.stack([types, n_tags, physical], axis=1), axis=0, return_inverse=True)
-    order = np.argsort(group.ravel(), kind="stable")
-    ends = np.cumsum(np.bincount(group.ravel(), minlength=len(labels)))
+    base = int(physical.min())
+    key = (types * (n_tags.max() + 1) + n_tags) * (int(physical.max()) - base + 1) + physical - base
+    _, first, group = np.unique(key, return_index=True, return_inverse=True)
+    labels = np.stack([types, n_tags, physical], axis=1)[first]
+    order = np.argsort(group, kind="stable")
+    ends = np.cumsum(np.bincount(group, minlength=len(labels)))
     blocks = []
     for (cell_type, tags, tag), cells in zip(labels.tolist(), np.split(order, ends[:-1]), strict=True):
         nodes_at = tags_at[cells] + tags

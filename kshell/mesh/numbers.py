@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import warnings
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,18 +34,26 @@ class Section:
             "`gmsh -2 file.geo -o file.msh`"
         )
 
-    def text_numbers(self) -> Floats:
+    def text_floats(self) -> Floats:
         """All numbers of an ASCII section."""
+        return self._text(np.float64, _NUMBER)
+
+    def text_integers(self) -> Ints:
+        """All numbers of an ASCII section of whole numbers: several times faster than `text_floats`."""
+        return self._text(np.int64, _WHOLE)
+
+    def _text(self, dtype: type, pattern: re.Pattern[bytes]) -> NDArray[Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("error", DeprecationWarning)  # numpy's word for text that is no number
             try:
-                return np.fromstring(self.data.decode("latin-1"), dtype=float, sep=" ")
+                return np.fromstring(self.data.decode("latin-1"), dtype=dtype, sep=" ")
             except (DeprecationWarning, ValueError):
                 pass
-        broken = next((word for word in self.data.split() if not _NUMBER.fullmatch(word)), b"?")
+        broken = next((word for word in self.data.split() if not pattern.fullmatch(word)), b"?")
         raise self.fail(f"holds {broken[:40].decode('latin-1')!r} where a number should stand")
 
 
+_WHOLE = re.compile(rb"[+-]?\d+")
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*([eEdD][+-]?\d+)?|\.\d+([eE][+-]?\d+)?|nan|inf)", re.IGNORECASE)
 
 
@@ -74,22 +83,45 @@ def sections(data: bytes, source: str) -> dict[str, Section]:
 
 
 class Numbers:
-    """A section read number by number, front to back."""
+    """A section read number by number, front to back.
 
-    def __init__(self, section: Section, binary: bool, byte_order: str) -> None:
+    Parameters
+    ----------
+    section : Section
+    binary : bool
+    byte_order : "<", ">" or "="
+    whole : bool
+        The section holds no doubles.
+    """
+
+    def __init__(self, section: Section, binary: bool, byte_order: str, whole: bool = False) -> None:
         self._section = section
-        self._types = {
-            "int": np.dtype(f"{byte_order}i4"),
-            "size": np.dtype(f"{byte_order}u8"),
-            "double": np.dtype(f"{byte_order}f8"),
-        }
-        self._text = None if binary else section.text_numbers()
+        self._types = {kind: np.dtype(byte_order + code) for kind, code in _CODES.items()}
+        self._text: NDArray[Any] | None = None
+        if not binary:
+            self._text = section.text_integers() if whole else section.text_floats()
         self._at = 0
 
-    def take(self, kind: str, number: int) -> NDArray[np.float64] | NDArray[np.int64]:
-        """The next `number` numbers; int64 for "int" and "size", float64 for "double"."""
+    def integer(self, kind: str = "int") -> int:
+        """The next integer, "int" or "size"."""
+        return int(self.integers(kind, 1)[0])
+
+    def integers(self, kind: str, number: int) -> Ints:
+        """The next `number` integers, "int" or "size"."""
+        values = self._take(kind, number)
+        whole = values.astype(np.int64)
+        if self._text is not None and (whole != values).any():
+            raise self._section.fail("has a fraction where a whole number should stand")
+        return whole
+
+    def doubles(self, number: int) -> Floats:
+        """The next `number` floating-point numbers."""
+        return self._take("double", number).astype(np.float64)
+
+    def _take(self, kind: str, number: int) -> NDArray[Any]:
         if number < 0:
             raise self._section.fail(f"announces {number} entries")
+        values: NDArray[Any]
         if self._text is not None:
             values = self._text[self._at : self._at + number]
             self._at += number
@@ -100,13 +132,7 @@ class Numbers:
             self._at += number * dtype.itemsize
         if len(values) < number:
             raise self._section.fail("ends before all announced entries have come")
-        if kind == "double":
-            return values.astype(float)
-        whole = values.astype(np.int64)
-        if self._text is not None and (whole != values).any():
-            raise self._section.fail("has a fraction where a whole number should stand")
-        return whole
+        return values
 
-    def integer(self, kind: str = "int") -> int:
-        """The next integer."""
-        return int(self.take(kind, 1)[0])
+
+_CODES = {"int": "i4", "size": "u8", "double": "f8"}

@@ -2,8 +2,8 @@
 
 In the plane z = const every triangle is turned counter-clockwise. In space neighbours are made to agree
 within each sheet, that is across edges shared by exactly two triangles, by a double cover: every triangle is
-two nodes of a graph, "as stored" and "reversed"; an edge links the nodes that agree. The two copies of a sheet
-fall apart into two components, one per orientation, unless the sheet is one-sided (a Moebius strip).
+two nodes of a graph, "as stored" and "reversed"; an edge links the nodes that agree. The two copies of a
+sheet fall apart into two components, one per orientation, unless the sheet is one-sided (a Moebius strip).
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh.mesh import EDGE_VERTICES
+from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.mesh.words import place
 
 # walking round a triangle (0, 1, 2), its edges (0, 1), (1, 2) are met forward and (0, 2) backward
-WALK = np.array([1, 1, -1])
+WALKED_FORWARD = np.array([True, True, False])
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 
-def shared_edges(triangles: Ints, n_points: int) -> tuple[Ints, Bools]:
+def shared_edges(mesh: Mesh) -> tuple[Ints, Bools]:
     """Pairs of triangles across the edges that exactly two triangles share.
 
     Returns
@@ -30,28 +30,25 @@ def shared_edges(triangles: Ints, n_points: int) -> tuple[Ints, Bools]:
     pairs : (n, 2) flat positions 3 * triangle + local edge
     agree : (n,) whether the two triangles run along the edge in opposite directions, as they should
     """
-    ends = triangles[:, EDGE_VERTICES]  # (triangle, edge, end)
-    forward = (np.sign(ends[..., 1] - ends[..., 0]) * WALK).ravel()
-    low, high = ends.min(axis=2), ends.max(axis=2)
-    key = (low.astype(np.int64) * n_points + high).ravel()
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    same = key[1:] == key[:-1]
-    first = np.concatenate([[True], ~same])  # a new edge starts here
-    start = np.flatnonzero(first)
-    length = np.diff(np.append(start, len(key)))
-    start = start[length == 2]
-    pairs = np.stack([order[start], order[start + 1]], axis=1)
+    ends = mesh.triangles[:, EDGE_VERTICES]  # (triangle, edge, end)
+    forward = ((ends[..., 1] > ends[..., 0]) == WALKED_FORWARD).ravel()
+    edge_of = mesh.triangle_edges.ravel()
+    position = np.arange(len(edge_of))
+    last = np.empty(len(mesh.edges), dtype=np.int64)
+    last[edge_of] = position
+    first = np.empty_like(last)
+    first[edge_of[::-1]] = position[::-1]
+    two = mesh.edge_counts == 2
+    pairs = np.stack([first[two], last[two]], axis=1)
     return pairs, forward[pairs[:, 0]] != forward[pairs[:, 1]]
 
 
-def to_reverse(points: NDArray[np.float64], triangles: Ints, flat: bool, source: str) -> Bools:
+def to_reverse(mesh: Mesh, flat: bool) -> Bools:
     """(triangle,) which triangles must be reversed.
 
     Parameters
     ----------
-    points : (vertex, 3) array
-    triangles : (triangle, 3) array
+    mesh : Mesh
     flat : bool
         The mesh lies in a plane z = const: normals become +z. Else the majority of each sheet stays.
 
@@ -60,33 +57,33 @@ def to_reverse(points: NDArray[np.float64], triangles: Ints, flat: bool, source:
     InputError
         Where triangles of a flat mesh overlap, or a surface in space is one-sided.
     """
-    pairs, agree = shared_edges(triangles, len(points))
+    pairs, agree = shared_edges(mesh)
     if flat:
-        a, b, c = (points[triangles[:, k], :2] for k in range(3))
+        a, b, c = (mesh.points[mesh.triangles[:, k], :2] for k in range(3))
         turn = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
         reverse = turn < 0.0
         t = pairs // 3
         folded = np.flatnonzero(agree == (reverse[t[:, 0]] != reverse[t[:, 1]]))
         if len(folded):
-            middle = _edge_middle(points, triangles, pairs[folded[0], 0])
+            middle = _edge_middle(mesh, pairs[folded[0], 0])
             raise InputError(
-                f"{source}: the mesh is folded over itself at {len(folded)} of its edges, e.g. at {place(middle)}: "
-                "an inverted triangle overlaps its neighbour there. Mesh again (a smaller element size or, for "
+                f"{mesh.source}: the mesh is folded over itself at {len(folded)} of its edges, e.g. at "
+                f"{place(middle)}: "
+                "an inverted triangle overlaps its neighbour there. Mesh again (a smaller element size "
+                "or, for "
                 "order 2, gmsh's high-order optimisation helps), or move the vertex back"
             )
         return reverse
     if agree.all():
-        return np.zeros(len(triangles), dtype=bool)
-    return _by_double_cover(points, triangles, pairs, agree, source)
+        return np.zeros(len(mesh.triangles), dtype=bool)
+    return _by_double_cover(mesh, pairs, agree)
 
 
-def _by_double_cover(
-    points: NDArray[np.float64], triangles: Ints, pairs: Ints, agree: Bools, source: str
-) -> Bools:
+def _by_double_cover(mesh: Mesh, pairs: Ints, agree: Bools) -> Bools:
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    n = len(triangles)
+    n = len(mesh.triangles)
     t = pairs // 3
     cross = np.where(agree, 0, n)
     row = np.concatenate([t[:, 0], t[:, 0] + n])
@@ -98,9 +95,10 @@ def _by_double_cover(
     if len(one_sided):
         # an edge where the stored orientations clash: the strip can be cut there
         clash = np.flatnonzero(~agree & (stored == reversed_)[t[:, 0]])[0]
-        middle = _edge_middle(points, triangles, pairs[clash, 0])
+        middle = _edge_middle(mesh, pairs[clash, 0])
         raise InputError(
-            f"{source}: the surface is one-sided (a Moebius strip) near {place(middle)}, so it has no top and "
+            f"{mesh.source}: the surface is one-sided (a Moebius strip) near {place(middle)}, so it has "
+            f"no top and "
             "bottom. Cut it there into two surfaces that share no vertices, or mesh it as two sheets"
         )
     # of the two components of a sheet keep the one that holds more triangles as stored; ties keep the first
@@ -110,7 +108,7 @@ def _by_double_cover(
     return (better < 0) | ((better == 0) & (stored > reversed_))
 
 
-def _edge_middle(points: NDArray[np.float64], triangles: Ints, flat_position: int) -> NDArray[np.float64]:
+def _edge_middle(mesh: Mesh, flat_position: int) -> NDArray[np.float64]:
     triangle, edge = divmod(int(flat_position), 3)
-    middle: NDArray[np.float64] = points[triangles[triangle, EDGE_VERTICES[edge]]].mean(axis=0)
+    middle: NDArray[np.float64] = mesh.points[mesh.triangles[triangle, EDGE_VERTICES[edge]]].mean(axis=0)
     return middle

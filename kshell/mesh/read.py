@@ -38,7 +38,8 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
         option = "mesh_size" if mesh_size is not None else "mesh_order"
         name = path.name if path else f"a {type(source).__name__} object"
         raise InputError(
-            f"{option} is for geometry files ({', '.join(GEOMETRY_SUFFIXES)}) only: {name} is meshed already. "
+            f"{option} is for geometry files ({', '.join(GEOMETRY_SUFFIXES)}) only: {name} is meshed "
+            f"already. "
             f"Leave {option} out, or give the geometry"
         )
     if isinstance(source, Mesh):
@@ -71,7 +72,8 @@ def _require_file(path: Path) -> None:
         close = nearest_name(path.name, [file.name for file in path.parent.iterdir() if file.is_file()])
         near = f" Did you mean '{close}'?" if close else ""
     raise InputError(
-        f"mesh file {path} not found.{near} Relative paths start from the folder of the scene, or the present one"
+        f"mesh file {path} not found.{near} Relative paths start from the folder of the scene, or the "
+        f"present one"
     )
 
 

@@ -55,9 +55,9 @@ def select(
     ----------
     mesh : Mesh
     on : str, list of str, or point
-        A name may be the "dimension:tag" of gmsh. Where groups of several kinds share a name, the plain name means
-        the one whose kind `dimensions` allows. Of a list the union is taken. A point (x, y) or (x, y, z) means
-        the nearest vertex.
+        A name may be the "dimension:tag" of gmsh. Where groups of several kinds share a name, the plain name
+        means the one whose kind `dimensions` allows. Of a list the union is taken. A point (x, y) or
+        (x, y, z) means the nearest vertex.
     dimensions : iterable of int
         The kinds allowed: 0 points, 1 curves, 2 surfaces.
     what : str
@@ -79,7 +79,8 @@ def select(
         return _union(mesh, items, allowed, what)
     if any(isinstance(item, str) for item in items):
         raise InputError(
-            f"{what}: `on` mixes names and numbers: {items}. Give a name, a list of names, or a point [x, y, z]"
+            f"{what}: `on` mixes names and numbers: {items}. Give a name, a list of names, or a point [x, "
+            f"y, z]"
         )
     return _nearest_vertex(mesh, items, allowed, what)
 
@@ -125,13 +126,16 @@ def _group(mesh: Mesh, name: str, allowed: tuple[int, ...], what: str) -> Group:
     key, group = next(iter(fitting.items()))
     if group.lost:
         raise InputError(
-            f"{what}: {count(group.lost, 'cell')} of group '{key}' in {mesh.source} belong to no triangle, so only a part of it "
+            f"{what}: {count(group.lost, 'cell')} of group '{key}' in {mesh.source} belong to no "
+            f"triangle, so only a part of it "
             f"would be used. {_EMBED[group.dimension]}"
         )
     if not len(group.members):
         raise InputError(
-            f"{what}: group '{key}' in {mesh.source} is empty. Its name is declared but no cell carries its tag: mesh again "
-            "with the physical group on existing entities (MSH 2.2 saved with `Mesh.SaveAll = 1` loses all tags: save "
+            f"{what}: group '{key}' in {mesh.source} is empty. Its name is declared but no cell carries "
+            f"its tag: mesh again "
+            "with the physical group on existing entities (MSH 2.2 saved with `Mesh.SaveAll = 1` loses "
+            "all tags: save "
             "as MSH 4.1)"
         )
     return group
@@ -178,7 +182,8 @@ def _nearest_vertex(mesh: Mesh, items: list[Any], allowed: tuple[int, ...], what
     warning = None
     if distance > MOVED * mesh.size:
         warning = (
-            f"{what} at {label}: no vertex there; the nearest one, {place(mesh.points[vertex])}, {distance:.3g} away, is used. "
+            f"{what} at {label}: no vertex there; the nearest one, {place(mesh.points[vertex])}, "
+            f"{distance:.3g} away, is used. "
             "Embed the point when meshing, in the .geo file `Point{5} In Surface{1};`"
         )
     return Selection(0, np.array([vertex], dtype=np.int32), label, distance, warning)

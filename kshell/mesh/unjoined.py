@@ -1,7 +1,7 @@
 """Places where parts of a mesh touch without being joined: doubled vertices, hanging nodes, loose parts.
 
-Only the boundary can be torn: where a vertex is doubled or hangs on an edge, the edges around it belong to one
-triangle. So the search looks at boundary edges, and at all vertices only when the mesh has several parts.
+Only the boundary can be torn: where a vertex is doubled or hangs on an edge, the edges around it belong to
+one triangle. So the search looks at boundary edges, and at all vertices only when the mesh has several parts.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
 
-Ints = NDArray[np.int64]
+Ints = NDArray[np.signedinteger]
 Bools = NDArray[np.bool_]
 
 # vertices closer than this fraction of the shortest edge are at the same place
@@ -28,7 +28,8 @@ MERGE = (
 def unjoined(mesh: Mesh) -> list[str]:
     """Raise at doubled vertices and hanging nodes; return notes on slits and on parts.
 
-    Two vertices at one place are a slit, not an error, if both belong to named curves or points of the same part.
+    Two vertices at one place are a slit, not an error, if both belong to groups of curves or points and to
+    the same part of the mesh.
     """
     part = vertex_parts(mesh)
     n_parts = int(part.max()) + 1
@@ -44,13 +45,16 @@ def unjoined(mesh: Mesh) -> list[str]:
         if not meant.all():
             first = pairs[np.flatnonzero(~meant)[0]]
             raise InputError(
-                f"{mesh.source}: {count(int((~meant).sum()), 'pair')} of vertices at the same place that are not joined, e.g. at "
-                f"{place(mesh.points[first[0]])}: the triangles touch there without holding together. {MERGE}. If a slit is "
+                f"{mesh.source}: {count(int((~meant).sum()), 'pair')} of vertices at the same place that "
+                f"are not joined, e.g. at "
+                f"{place(mesh.points[first[0]])}: the triangles touch there without holding together. "
+                f"{MERGE}. If a slit is "
                 "meant, give each of its two sides a physical curve"
             )
         if len(pairs):
             notes.append(
-                f"slit: {count(len(pairs), 'pair')} of vertices at the same place, e.g. at {place(mesh.points[pairs[0, 0]])}"
+                f"slit: {count(len(pairs), 'pair')} of vertices at the same place, e.g. at "
+                f"{place(mesh.points[pairs[0, 0]])}"
             )
         _raise_on_hanging_nodes(mesh, boundary, part, named)
     return notes + _parts(mesh, part, n_parts)
@@ -128,8 +132,10 @@ def _raise_on_hanging_nodes(mesh: Mesh, boundary: Ints, part: Ints, named: Bools
         first = np.flatnonzero(hangs)[0]
         a, b = mesh.points[ends[edge[first]]]
         raise InputError(
-            f"{mesh.source}: {count(len(np.unique(vertex[hangs])), 'hanging node')}: the vertex at {place(mesh.points[vertex[first]])} "
-            f"lies inside the edge from {place(a)} to {place(b)} of a triangle it does not belong to, so the two sides can "
+            f"{mesh.source}: {count(len(np.unique(vertex[hangs])), 'hanging node')}: the vertex at "
+            f"{place(mesh.points[vertex[first]])} "
+            f"lies inside the edge from {place(a)} to {place(b)} of a triangle it does not belong to, so "
+            f"the two sides can "
             f"move apart. {MERGE}, so that both sides share one curve, and mesh again"
         )
 
@@ -142,7 +148,8 @@ def _parts(mesh: Mesh, part: Ints, n_parts: int) -> list[str]:
         inside = int(np.flatnonzero(part_of_triangle == smallest)[0])
         middle = mesh.points[mesh.triangles[inside]].mean(axis=0)
         return [
-            f"the mesh falls into {n_parts} parts that are not connected; each needs supports of its own. The smallest has "
+            f"the mesh falls into {n_parts} parts that are not connected; each needs supports of its own. "
+            f"The smallest has "
             f"{count(int(sizes[smallest]), 'triangle')} near {place(middle)}"
         ]
     sheets = sheet_parts(mesh)
@@ -155,6 +162,7 @@ def _parts(mesh: Mesh, part: Ints, n_parts: int) -> list[str]:
     np.maximum.at(seen[:, 1], mesh.triangles.ravel(), np.repeat(sheets, 3))
     pivot = int(np.flatnonzero(seen[:, 0] < seen[:, 1])[0])
     return [
-        f"{n_sheets} parts of the mesh hang together by single vertices only, e.g. at {place(mesh.points[pivot])}: "
+        f"{n_sheets} parts of the mesh hang together by single vertices only, e.g. at "
+        f"{place(mesh.points[pivot])}: "
         "they can turn about each other there"
     ]

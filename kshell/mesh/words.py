@@ -28,10 +28,11 @@ def count(number: int, one: str, many: str | None = None) -> str:
     return f"{number} {one if number == 1 else many or one + 's'}"
 
 
-def nearest_name(name: str, names: Sequence[str]) -> str | None:
-    """The most similar name, upper and lower case alike, or None when nothing is similar."""
+def nearest_name(name: str, names: Sequence[str], cutoff: float = 0.5) -> str | None:
+    """The most similar name, upper and lower case alike, or None when nothing is similar (0 none, 1 "
+    "equal)."""
     from difflib import get_close_matches
 
     by_folded = {known.casefold(): known for known in names}
-    close = get_close_matches(name.casefold(), list(by_folded), n=1, cutoff=0.5)
+    close = get_close_matches(name.casefold(), list(by_folded), n=1, cutoff=cutoff)
     return by_folded[close[0]] if close else None

@@ -25,7 +25,8 @@ def write_msh(mesh: Mesh, path: str | os.PathLike[str], version: str = "4.1") ->
     mesh : Mesh
     path : path
     version : "4.1" or "2.2"
-        2.2 repeats a cell for every group it belongs to; programs other than kshell may then count it more than once.
+        2.2 repeats a cell for every group it belongs to; programs other than kshell may then count it more
+        than once.
 
     Raises
     ------
@@ -75,7 +76,8 @@ def _names(mesh: Mesh, tags: dict[str, int]) -> str:
 
 
 def _cells(mesh: Mesh, dimension: int) -> Ints:
-    """(cell, node) node numbers from 1 of all vertices, edges or triangles; mid-edge nodes follow the vertices."""
+    """(cell, node) node numbers from 1 of all vertices, edges or triangles; mid-edge nodes follow the "
+    "vertices."""
     n = len(mesh.points)
     if dimension == 0:
         return 1 + np.arange(n)[:, None]

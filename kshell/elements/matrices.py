@@ -1,0 +1,126 @@
+"""Element matrices in batches: stiffness, mass, geometric stiffness, loads, and rows of derivatives.
+
+Every function takes ``transform``, the (triangle, reference dof, unknown) matrix that gives reference
+degrees of freedom from the unknowns of the triangle. `PlateElement.transformation` gives it for the
+physical degrees of freedom; multiplied by scalings or support conditions it gives matrices in the
+reduced unknowns at the same cost.
+
+Symbols
+-------
+R_ab     constant tables: integrals of products of the a-th and b-th reference derivatives
+D        bending stiffness, moments M = -D (w_xx, w_yy, 2 w_xy)
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements.affine import AffineTriangles
+from kshell.elements.base import PlateElement
+
+Floats = NDArray[np.float64]
+
+
+@lru_cache(maxsize=16)
+def _tables(element_type: type[PlateElement], order: int) -> Floats:
+    """(partial * partial, basis * basis) integrals of products of derivatives, made once per element."""
+    table = element_type.basis.product_integrals(order)
+    return table.reshape(table.shape[0] ** 2, -1)
+
+
+def _constant_coefficient(element: PlateElement, order: int, weight: Floats, transform: Floats) -> Floats:
+    """transform^T (sum_ab weight_ab R_ab) transform for weights (triangle, partial, partial)."""
+    n = element.count
+    flat = weight.reshape(len(weight), -1) @ _tables(type(element), order)
+    reference = flat.reshape(-1, n, n)
+    return np.swapaxes(transform, 1, 2) @ (reference @ transform)
+
+
+def stiffness(
+    element: PlateElement, triangles: AffineTriangles, bending: Floats, transform: Floats
+) -> Floats:
+    """Integral of kappa(v)^T D kappa(w) with kappa = (w_xx, w_yy, 2 w_xy), exactly.
+
+    Parameters
+    ----------
+    bending : (triangle, 3, 3) array
+        D, constant in each triangle; force times length.
+
+    Returns
+    -------
+    (triangle, unknown, unknown) array.
+    """
+    to_xy = triangles.curvature_map
+    weight = np.swapaxes(to_xy, 1, 2) @ bending @ to_xy * np.abs(triangles.determinant)[:, None, None]
+    return _constant_coefficient(element, 2, weight, transform)
+
+
+def mass(element: PlateElement, triangles: AffineTriangles, density: Floats, transform: Floats) -> Floats:
+    """Integral of density v w, density (triangle,) per unit area: mass, or a Winkler foundation."""
+    weight = (np.abs(triangles.determinant) * density)[:, None, None]
+    return _constant_coefficient(element, 0, weight, transform)
+
+
+def geometric_stiffness(
+    element: PlateElement, triangles: AffineTriangles, membrane_force: Floats, transform: Floats
+) -> Floats:
+    """Integral of grad v . N grad w, N (triangle, 2, 2) force per length, constant in each triangle."""
+    inverse = triangles.inverse
+    weight = inverse @ membrane_force @ np.swapaxes(inverse, 1, 2)
+    return _constant_coefficient(
+        element, 1, weight * np.abs(triangles.determinant)[:, None, None], transform
+    )
+
+
+def load(element: PlateElement, triangles: AffineTriangles, pressure: Floats, transform: Floats) -> Floats:
+    """Integral of q v for q (triangle,) constant in each triangle: a (triangle, unknown) array."""
+    weight = np.abs(triangles.determinant) * pressure
+    return weight[:, None] * np.einsum("r,eru->eu", element.basis.integrals, transform)
+
+
+def rows(
+    element: PlateElement, triangles: AffineTriangles, points: Floats, order: int, transform: Floats
+) -> Floats:
+    """Derivatives in x, y at reference points, as rows that act on the unknowns of each triangle.
+
+    Parameters
+    ----------
+    points : (point, 2) or (triangle, point, 2) array
+        Reference coordinates, the same for all triangles or each its own; outside is allowed.
+    order : int
+        0: w; 1: w_x, w_y; 2: w_xx, w_yy, 2 w_xy; 3: w_xxx, w_xxy, w_xyy, w_yyy.
+
+    Returns
+    -------
+    (triangle, point, partial, unknown) array.
+    """
+    reference = element.basis.tabulate(points, order)  # (..., point, partial, basis)
+    if order == 1:
+        reference = np.swapaxes(triangles.inverse, 1, 2)[:, None] @ reference
+    elif order == 2:
+        reference = triangles.curvature_map[:, None] @ reference
+    elif order == 3:
+        reference = triangles.third_map[:, None] @ reference
+    shape = (len(triangles), *reference.shape[-3:])
+    flat = np.broadcast_to(reference, shape).reshape(len(triangles), -1, element.count)
+    return (flat @ transform).reshape(*shape[:3], transform.shape[2])
+
+
+def integrate_products(left: Floats, weight: Floats, right: Floats) -> Floats:
+    """sum_q left_q^T weight_q right_q.
+
+    Parameters
+    ----------
+    left, right : (triangle, point, partial, unknown) arrays
+    weight : (triangle, point, partial, partial) array
+
+    Returns
+    -------
+    (triangle, unknown, unknown) array.
+    """
+    n = left.shape[0]
+    weighted = (weight @ right).reshape(n, -1, right.shape[-1])
+    return np.swapaxes(left.reshape(n, -1, left.shape[-1]), 1, 2) @ weighted

@@ -1,0 +1,274 @@
+"""The true shape of curved edges, rebuilt from the nodes of the mesh.
+
+The nodes of a mesh (vertices, and mid-edge nodes at order 2) lie on the true edge of the plate; the
+chords between them do not. A quintic spline through the nodes of each smooth piece gives tangents,
+curvature and the shape of every edge to high order, so that supports can be imposed on the edge
+itself: on the chords a simply supported curved edge would be clamped in the limit (the paradox of
+Babuska, see Babuska & Pitkaranta, SIAM J. Math. Anal. 21 (1990) 551-576).
+
+Symbols
+-------
+gamma(s)   an edge as a curve, s in [0, 1] from its lower to its higher vertex
+delta(s)   gamma(s) minus the chord  =  s (1 - s) phi(s), phi a cubic
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.mesh.mesh import Mesh
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+SHARPEST_SMOOTH_TURN = np.radians(70.0)
+GENTLEST_CORNER = np.radians(12.0)
+STRAIGHT = 1e-9
+
+
+@dataclass(frozen=True)
+class EdgeCurves:
+    """Shape of a set of edges, in the plane.
+
+    Attributes
+    ----------
+    edges : (n,) int array
+        Edge numbers, sorted.
+    tangent : (n, end, 2) array
+        Unit tangents at the lower and the higher vertex, pointing from lower to higher. Where a line
+        is smooth both neighbouring edges have the same tangent; at a corner each has its own.
+    curvature : (n, end, 2) array
+        Second derivative of the curve by arc length, a vector across the tangent.
+    shape : (n, 4, 2) array
+        Coefficients of phi(s) in 1, s, s^2, s^3.
+    sharpest : float
+        Largest turn (radians) of the mesh lines that was taken as part of a smooth curve.
+    sharpest_at : (2,) array
+    """
+
+    edges: Ints
+    tangent: Floats
+    curvature: Floats
+    shape: Floats
+    sharpest: float
+    sharpest_at: Floats
+
+    def place(self, edges: NDArray[np.integer]) -> NDArray[np.int64]:
+        """Positions of given edges in this set."""
+        return np.searchsorted(self.edges, edges)
+
+    @property
+    def curved(self) -> NDArray[np.bool_]:
+        """(n,) whether an edge deviates from its chord by more than rounding."""
+        return np.abs(self.shape).max(axis=(1, 2)) > 0.0
+
+
+def edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
+    """Rebuild the shape of a set of edges, such as the boundary or a line inside the plate.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        A planar mesh; x and y are used.
+    edges : (n,) int array
+        Edges whose shape is wanted. Smoothness is judged within this set: lines are broken where
+        more than two of the edges meet, at corners, and where the curvature jumps.
+    """
+    edges = np.unique(edges).astype(np.int32)
+    n = len(edges)
+    out = EdgeCurves(edges, np.zeros((n, 2, 2)), np.zeros((n, 2, 2)), np.zeros((n, 4, 2)), 0.0, np.zeros(2))
+    if n == 0:
+        return out
+    sharpest, where = 0.0, np.zeros(2)
+    for line, forward, closed in _lines(mesh.edges[edges]):
+        turn, place = _fit_line(mesh, out, line, forward, closed)
+        if turn > sharpest:
+            sharpest, where = turn, place
+    return EdgeCurves(edges, out.tangent, out.curvature, out.shape, sharpest, where)
+
+
+def _lines(ends: Ints) -> list[tuple[NDArray[np.int64], NDArray[np.bool_], bool]]:
+    """Chain edges (n, 2) into lines: (positions, whether walked from lower to higher, closed)."""
+    touching: dict[int, list[int]] = {}
+    for k, pair in enumerate(ends.tolist()):
+        for v in pair:
+            touching.setdefault(v, []).append(k)
+    pairs = ends.tolist()
+    used = np.zeros(len(ends), dtype=bool)
+
+    def walk(k: int, start: int) -> tuple[list[int], list[bool], int]:
+        line, forward, v = [], [], start
+        while not used[k]:
+            used[k] = True
+            a, b = pairs[k]
+            line.append(k)
+            forward.append(a == v)
+            v = b if a == v else a
+            onward = touching[v]
+            if len(onward) != 2:
+                break
+            k = onward[1] if onward[0] == k else onward[0]
+        return line, forward, v
+
+    lines = []
+    for v, around in touching.items():  # open lines start where one or more than two edges meet
+        if len(around) != 2:
+            for k in around:
+                if not used[k]:
+                    line, forward, _ = walk(k, v)
+                    lines.append((np.array(line), np.array(forward), False))
+    for k in range(len(ends)):  # what is left are closed loops
+        if not used[k]:
+            line, forward, _ = walk(k, pairs[k][0])
+            lines.append((np.array(line), np.array(forward), True))
+    return lines
+
+
+def _fit_line(
+    mesh: Mesh, out: EdgeCurves, line: NDArray[np.int64], forward: NDArray[np.bool_], closed: bool
+) -> tuple[float, Floats]:
+    """Fit the smooth pieces of one line and write its edges into ``out``."""
+    edges = out.edges[line]
+    step = 1 if mesh.midpoints is None else 2  # nodes per edge
+    first = np.where(forward, mesh.edges[edges, 0], mesh.edges[edges, 1])
+    last = np.where(forward, mesh.edges[edges, 1], mesh.edges[edges, 0])
+    origin = mesh.points[first[0], :2]
+    nodes = np.empty((len(line) * step + 1, 2))
+    nodes[:-1:step] = mesh.points[first, :2] - origin
+    nodes[-1] = mesh.points[last[-1], :2] - origin
+    if mesh.midpoints is not None:
+        nodes[1::2] = mesh.midpoints[edges, :2] - origin
+
+    corner, jump, turn = _breaks(nodes, step, closed)
+    smooth = np.where(corner, 0.0, turn)[::step]
+    worst = int(np.argmax(smooth))
+    breaks = np.flatnonzero(corner | jump)
+    if closed and len(breaks):  # start at a break so that every piece is an open run of nodes
+        shift = int(breaks[0])
+        nodes = np.concatenate([np.roll(nodes[:-1], -shift, axis=0), nodes[shift : shift + 1]])
+        line, forward = np.roll(line, -shift // step), np.roll(forward, -shift // step)
+        corner, jump = (np.append(np.roll(x[:-1], -shift), x[shift]) for x in (corner, jump))
+        breaks = np.flatnonzero(corner | jump)
+    bounds = [0, *[b for b in breaks if 0 < b < len(nodes) - 1], len(nodes) - 1]
+    periodic = closed and not len(breaks)
+    derivatives = np.empty((len(line), 2, 2, 2))  # (edge, end, first or second by own parameter, xy)
+    for a, b in zip(bounds[:-1], bounds[1:], strict=True):
+        derivatives[a // step : b // step] = _spline_derivatives(nodes[a : b + 1], step, periodic)
+    _store(out, line, forward, nodes[::step], derivatives, jump[::step] & ~corner[::step], closed)
+    return float(smooth[worst]), nodes[worst * step] + origin
+
+
+def _breaks(
+    nodes: Floats, step: int, closed: bool
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
+    """Where a line of nodes has corners, where its curvature jumps, and how it turns at each node."""
+    n = len(nodes)
+    chord = np.diff(nodes, axis=0)
+    length = np.linalg.norm(chord, axis=1)
+    angle = np.arctan2(chord[:, 1], chord[:, 0])
+    before = np.concatenate([[angle[-1] if closed else angle[0]], angle])
+    after = np.concatenate([angle, [angle[0] if closed else angle[-1]]])
+    signed = (after - before + np.pi) % (2 * np.pi) - np.pi
+    turn = np.abs(signed)
+    span = 0.5 * (
+        np.concatenate([[length[-1] if closed else length[0]], length])
+        + np.concatenate([length, [length[0] if closed else length[-1]]])
+    )
+    bend = signed / span
+
+    def neighbour(x: Floats, shift: int) -> Floats:
+        if closed:
+            return x[(np.arange(n) + shift) % (n - 1)]
+        index = np.arange(n) + shift
+        inside = (index > 0) & (index < n - 1)
+        return np.where(inside, x[np.clip(index, 0, n - 1)], 0.0)
+
+    sides = np.maximum(neighbour(turn, 1), neighbour(turn, -1))
+    vertex = np.arange(n) % step == 0
+    corner = vertex & (turn > GENTLEST_CORNER) & ((turn > 3 * sides) | (turn > SHARPEST_SMOOTH_TURN))
+    # a jump of curvature (an arc that runs into a straight line) stands out from the change before
+    # and after it; where the curvature merely varies fast, as on an ellipse, all changes are alike
+    ahead, behind = neighbour(bend, 1), neighbour(bend, -1)
+    change = np.abs(ahead - behind)
+    before_it = np.abs(behind - neighbour(bend, -3))
+    after_it = np.abs(neighbour(bend, 3) - ahead)
+    scale = np.maximum(np.abs(ahead), np.abs(behind))
+    stands_out = (change > 0.5 * scale) & (change > 8 * np.maximum(before_it, after_it))
+    jump = vertex & ~corner & stands_out & (scale * span > 1e-6)
+    if not closed:
+        corner[[0, -1]] = jump[[0, -1]] = False
+        near_end = np.minimum(np.arange(n), n - 1 - np.arange(n)) <= 3  # no neighbour to compare with
+        jump &= ~near_end
+    return corner, jump, turn
+
+
+def _spline_derivatives(nodes: Floats, step: int, periodic: bool) -> Floats:
+    """First and second derivatives at both ends of each edge of a smooth run, by s in [0, 1].
+
+    Returns
+    -------
+    (edge, end, derivative, 2) array in walking direction.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
+    degree = min(5, len(nodes) - 1)
+    if periodic and len(nodes) > 6:
+        spline = make_interp_spline(parameter, nodes, k=5, bc_type="periodic")
+    else:
+        spline = make_interp_spline(parameter, nodes, k=degree - (degree > 1 and degree % 2 == 0))
+    at = parameter[::step]
+    width = np.diff(at)[:, None]
+    first, second = spline(at, 1), spline(at, 2) if degree > 1 else np.zeros_like(nodes[::step])
+    ends = np.stack([first[:-1] * width, first[1:] * width], axis=1)
+    bends = np.stack([second[:-1] * width**2, second[1:] * width**2], axis=1)
+    return np.stack([ends, bends], axis=2)
+
+
+def _store(
+    out: EdgeCurves,
+    line: NDArray[np.int64],
+    forward: NDArray[np.bool_],
+    vertices: Floats,
+    derivatives: Floats,
+    joint: NDArray[np.bool_],
+    closed: bool,
+) -> None:
+    """Turn derivatives in walking direction into tangents, curvatures and shapes of the edges."""
+    chord = np.diff(vertices, axis=0)
+    first, second = derivatives[:, :, 0], derivatives[:, :, 1]  # (edge, end, xy)
+    speed = np.linalg.norm(first, axis=2, keepdims=True)
+    tangent = first / speed
+    curvature = (second - (second * tangent).sum(-1, keepdims=True) * tangent) / speed**2
+
+    # gamma'(0) = chord + phi(0), gamma'(1) = chord - phi(1), gamma'' = phi'' s (1 - s) + 2 (1 - 2 s) phi' - 2 phi
+    value0, value1 = first[:, 0] - chord, chord - first[:, 1]
+    slope0, slope1 = second[:, 0] / 2 + value0, -second[:, 1] / 2 - value1
+    rise = value1 - value0
+    shape = np.stack([value0, slope0, 3 * rise - 2 * slope0 - slope1, slope0 + slope1 - 2 * rise], axis=1)
+    flat = np.abs(shape).max(axis=(1, 2)) < STRAIGHT * np.linalg.norm(chord, axis=1)
+    shape[flat] = 0.0
+    curvature[flat] = 0.0
+    tangent[flat] = (chord / np.linalg.norm(chord, axis=1)[:, None])[flat, None]
+
+    # where only the curvature jumps, both neighbours share the mean tangent and curvature
+    for k in np.flatnonzero(joint):
+        a, b = (k - 1) % len(line), k % len(line)
+        if not closed and (k == 0 or k == len(line)):
+            continue
+        mean = tangent[a, 1] + tangent[b, 0]
+        tangent[a, 1] = tangent[b, 0] = mean / np.linalg.norm(mean)
+        curvature[a, 1] = curvature[b, 0] = 0.5 * (curvature[a, 1] + curvature[b, 0])
+
+    back = ~forward
+    tangent[back] = -tangent[back, ::-1]
+    curvature[back] = curvature[back, ::-1]
+    # phi(1 - s): delta keeps its value when the edge is walked backwards
+    c = shape[back]
+    shape[back] = np.stack(
+        [c.sum(1), -(c[:, 1] + 2 * c[:, 2] + 3 * c[:, 3]), c[:, 2] + 3 * c[:, 3], -c[:, 3]], axis=1
+    )
+    out.tangent[line], out.curvature[line], out.shape[line] = tangent, curvature, shape

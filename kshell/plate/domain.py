@@ -1,0 +1,211 @@
+"""The region a plate covers: triangles, and the true shape of its curved edges, with quadrature on both.
+
+A triangle at a curved edge keeps the polynomials of the straight triangle, extended a little beyond
+the chord, but is integrated over its true region; the other triangles are affine. With x(xi) the affine
+map, lambda_i the barycentric coordinates and an edge from its lower vertex a to its higher vertex b,
+
+    x(xi) + lambda_a lambda_b phi(s),    s = (1 + lambda_b - lambda_a) / 2,
+
+maps the reference triangle onto the true one (phi as in `kshell.plate.curves`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements.affine import AffineTriangles
+from kshell.elements.quadrature import interval_rule, triangle_rule
+from kshell.elements.reference import VERTICES, powers
+from kshell.errors import InputError
+from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.plate.curves import EdgeCurves, edge_curves
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+BLOCK = 4096  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
+GRADIENTS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the barycentric coordinates
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Quadrature points of a batch of triangles.
+
+    Attributes
+    ----------
+    triangles : (n,) int array
+    xi : (point, 2) or (n, point, 2) array
+        Reference coordinates in the straight triangle.
+    xy : (n, point, 2) array
+    weights : (n, point) array
+        Areas.
+    """
+
+    triangles: Ints
+    xi: Floats
+    xy: Floats
+    weights: Floats
+
+
+@dataclass(frozen=True)
+class EdgePatch:
+    """Quadrature points along edges, seen from one triangle at each.
+
+    Attributes
+    ----------
+    edges : (n,) int array
+    triangles : (n,) int array
+    xi : (n, point, 2) array
+        Reference coordinates in the triangle.
+    xy : (n, point, 2) array
+    weights : (n, point) array
+        Lengths.
+    normal : (n, point, 2) array
+        Unit normal, out of the triangle.
+    """
+
+    edges: Ints
+    triangles: Ints
+    xi: Floats
+    xy: Floats
+    weights: Floats
+    normal: Floats
+
+
+class Domain:
+    """A planar mesh as a region to integrate over.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Planar; triangles counter-clockwise seen from +z.
+    curved : bool
+        Whether to follow curved boundary edges; otherwise every edge is its chord.
+    """
+
+    def __init__(self, mesh: Mesh, curved: bool) -> None:
+        self.mesh = mesh
+        self.points: Floats = np.ascontiguousarray(mesh.points[:, :2])
+        none = np.zeros(0, dtype=np.int32)
+        self.boundary: EdgeCurves = edge_curves(mesh, mesh.boundary_edges if curved else none)
+        bent = self.boundary.edges[self.boundary.curved]
+        self.curved_triangles: Ints = np.unique(mesh.edge_owner[bent, 0]).astype(np.int64)
+        self.is_curved = np.zeros(len(mesh.triangles), dtype=bool)
+        self.is_curved[self.curved_triangles] = True
+
+    def affine(self, triangles: Ints | slice) -> AffineTriangles:
+        """The straight triangles."""
+        return AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles])
+
+    def blocks(self, triangles: Ints | None = None) -> Iterator[Ints]:
+        """Triangle numbers in batches, straight ones and curved ones apart."""
+        all_of_them = np.arange(len(self.mesh.triangles)) if triangles is None else np.asarray(triangles)
+        for chosen in (all_of_them[~self.is_curved[all_of_them]], all_of_them[self.is_curved[all_of_them]]):
+            for start in range(0, len(chosen), BLOCK):
+                yield chosen[start : start + BLOCK]
+
+    def patches(self, degree: int, triangles: Ints | None = None) -> Iterator[Patch]:
+        """Quadrature, exact for polynomials of a degree on straight triangles, in batches."""
+        for block in self.blocks(triangles):
+            yield self.curved_patch(block, degree) if self.is_curved[block[0]] else self._flat(block, degree)
+
+    def _flat(self, block: Ints, degree: int) -> Patch:
+        xi, w = triangle_rule(degree)
+        affine = self.affine(block)
+        xy = affine.corners[:, None, 0] + xi @ np.swapaxes(affine.jacobian, 1, 2)
+        return Patch(block, xi, xy, np.abs(affine.determinant)[:, None] * w)
+
+    def curved_patch(self, block: Ints, degree: int) -> Patch:
+        """Quadrature over the true region of triangles with curved edges."""
+        xi, w = triangle_rule(degree + 8)  # the Jacobian of the curved map is of degree 8
+        affine = self.affine(block)
+        shift, gradient = self._bulge(block, xi)
+        xy = affine.corners[:, None, 0] + xi @ np.swapaxes(affine.jacobian, 1, 2) + shift
+        j = affine.jacobian[:, None] + gradient
+        area = j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0]
+        if np.any(area <= 0):
+            t = block[int(np.argmin(area.min(axis=1)))]
+            x, y = self.points[self.mesh.triangles[t]].mean(axis=0)
+            raise InputError(
+                f"the triangle at ({x:g}, {y:g}) folds over: its curved edge bulges past the opposite corner; "
+                "refine the mesh along that edge"
+            )
+        return Patch(block, affine.reference_coordinates(xy), xy, area * w)
+
+    def _bulge(self, block: Ints, xi: Floats) -> tuple[Floats, Floats]:
+        """Displacement (n, point, 2) of the curved map and its gradient (n, point, 2, d / d xi)."""
+        barycentric = np.stack([1 - xi[:, 0] - xi[:, 1], xi[:, 0], xi[:, 1]], axis=1)  # (point, vertex)
+        shift = np.zeros((len(block), len(xi), 2))
+        gradient = np.zeros((len(block), len(xi), 2, 2))
+        curves = self.boundary
+        for k, (v, w) in enumerate(EDGE_VERTICES):
+            edge = self.mesh.triangle_edges[block, k]
+            place = np.minimum(curves.place(edge), len(curves.edges) - 1)
+            here = np.flatnonzero((curves.edges[place] == edge) & curves.curved[place])
+            ends = self.mesh.triangles[block[here]][:, [v, w]]
+            for a, b, part in ((v, w, ends[:, 0] < ends[:, 1]), (w, v, ends[:, 0] > ends[:, 1])):
+                chosen = here[part]
+                s = (1 + barycentric[:, b] - barycentric[:, a]) / 2
+                shape = curves.shape[place[chosen]]
+                phi = np.einsum("qk,nkx->nqx", powers(s, 3), shape)
+                slope = np.einsum("qk,nkx->nqx", powers(s, 2) * np.array([1.0, 2.0, 3.0]), shape[:, 1:])
+                product = barycentric[:, a] * barycentric[:, b]
+                d_product = (
+                    barycentric[:, a, None] * GRADIENTS[b] + barycentric[:, b, None] * GRADIENTS[a]
+                )  # (point, d xi)
+                d_s = (GRADIENTS[b] - GRADIENTS[a]) / 2
+                shift[chosen] += product[:, None] * phi
+                gradient[chosen] += phi[..., None] * d_product[:, None, :]
+                gradient[chosen] += (product[:, None] * slope)[..., None] * d_s
+        return shift, gradient
+
+    def edge_patch(self, edges: Ints, count: int) -> EdgePatch:
+        """Gauss points along edges; boundary edges follow their true shape."""
+        s, w = interval_rule(count)
+        return self.edge_points(edges, s, w)
+
+    def edge_points(self, edges: Ints, s: Floats, w: Floats) -> EdgePatch:
+        """Given points s in [0, 1] (from the lower to the higher vertex) along edges."""
+        edges = np.asarray(edges, dtype=np.int64)
+        triangle, local = self.mesh.edge_owner[edges].T
+        ends = self.mesh.edges[edges]
+        a, b = self.points[ends[:, 0]], self.points[ends[:, 1]]
+        speed = np.repeat((b - a)[:, None], len(s), axis=1)
+        offset = speed * s[:, None]  # from a
+        curves = self.boundary
+        place = np.minimum(curves.place(edges), max(len(curves.edges) - 1, 0))
+        if len(curves.edges):
+            here = np.flatnonzero((curves.edges[place] == edges) & curves.curved[place])
+            shape = curves.shape[place[here]]
+            phi = np.einsum("qk,nkx->nqx", powers(s, 3), shape)
+            slope = np.einsum("qk,nkx->nqx", powers(s, 2) * np.array([1.0, 2.0, 3.0]), shape[:, 1:])
+            offset[here] += (s * (1 - s))[:, None] * phi
+            speed[here] += (1 - 2 * s)[:, None] * phi + (s * (1 - s))[:, None] * slope
+        length = np.hypot(speed[..., 0], speed[..., 1])
+        affine = self.affine(triangle)
+        xy = a[:, None] + offset
+        normal = np.stack([speed[..., 1], -speed[..., 0]], axis=-1) / length[..., None]
+        # lower-to-higher tangent turned by -90 degrees points out where the triangle walks that way;
+        # local edges (0, 1), (1, 2), (0, 2): the last one runs against the counter-clockwise sense
+        outward = affine.sense[np.arange(len(edges)), local] * np.where(local == 2, -1.0, 1.0)
+        xi = affine.reference_coordinates(xy)
+        if not self.boundary.curved.any():
+            xi = self._on_chord(local, affine.sense[np.arange(len(edges)), local], s)
+        return EdgePatch(edges, triangle.astype(np.int64), xi, xy, length * w, normal * outward[:, None, None])
+
+    @staticmethod
+    def _on_chord(local: Ints, sense: Floats, s: Floats) -> Floats:
+        """Reference coordinates of points on straight edges, free of rounding."""
+        along = np.where(sense[:, None] > 0, s, 1 - s)
+        start = VERTICES[EDGE_VERTICES[local, 0]]
+        return start[:, None] + along[..., None] * (VERTICES[EDGE_VERTICES[local, 1]] - start)[:, None]
+
+    @cached_property
+    def area(self) -> float:
+        """Area of the region."""
+        return float(sum(p.weights.sum() for p in self.patches(0)))

@@ -1,0 +1,158 @@
+"""The energy of a plate as a sum of forms, each giving element matrices in batches.
+
+Every form is an integral of rows^T C rows, where rows are derivatives of w at quadrature points. In straight
+triangles with constant stiffness the bending form has a closed expression and is used where it applies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import PlateElement, matrices
+from kshell.plate.domain import Domain, EdgePatch
+from kshell.section import Section
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Field = Callable[[Floats], Floats]  # values (...,) at points (..., 2)
+
+VARIABLE_DEGREE = 9  # quadrature where the stiffness varies in a triangle: w'' w'' is of degree 6
+
+
+class Form(Protocol):
+    """A quadratic form given triangle by triangle; a triangle may occur more than once."""
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        """Batches: (positions in this form, triangle numbers)."""
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        """(n, local, local) matrices in the unknowns that ``transform`` leads to."""
+
+
+@dataclass
+class Bending:
+    """Bending energy, integral of kappa^T D kappa."""
+
+    domain: Domain
+    element: PlateElement
+    section: Section
+
+    def __post_init__(self) -> None:
+        constant = self.section.constant_per_triangle
+        self._constant = self.section.bending_per_triangle() if constant else None
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        for block in self.domain.blocks():
+            yield block, block
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        affine = self.domain.affine(positions)
+        if self._constant is not None and not self.domain.is_curved[positions[0]]:
+            return matrices.stiffness(self.element, affine, self._constant[positions], transform)
+        patch = next(self.domain.patches(self._degree(), positions))
+        kappa = matrices.rows(self.element, affine, patch.xi, 2, transform)
+        return matrices.integrate_products(kappa, self.stiffness(patch.triangles, patch.xy, patch.weights), kappa)
+
+    def _degree(self) -> int:
+        bending_degree = 2 * (self.element.maxdeg - 2)
+        return bending_degree if self._constant is not None else bending_degree + VARIABLE_DEGREE - 6
+
+    def stiffness(self, triangles: Ints, xy: Floats, weights: Floats) -> Floats:
+        """D times the quadrature weights at points (n, point, 2): (n, point, 3, 3)."""
+        return weights[..., None, None] * self.at(triangles, xy)
+
+    def at(self, triangles: Ints, xy: Floats) -> Floats:
+        """D at points (n, point, 2) of triangles (n,)."""
+        if self._constant is not None:
+            return np.broadcast_to(self._constant[triangles][:, None], (*xy.shape[:2], 3, 3))
+        z = np.broadcast_to(self.domain.mesh.points[0, 2], (*xy.shape[:2], 1))
+        return self.section.bending(triangles, np.concatenate([xy, z], axis=2))
+
+
+@dataclass
+class AreaSpring:
+    """Winkler foundation: integral of k w^2 over some triangles."""
+
+    domain: Domain
+    element: PlateElement
+    triangles: Ints
+    stiffness: Field
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        for block in self.domain.blocks(self.triangles):
+            yield block, block
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        patch = next(self.domain.patches(2 * self.element.maxdeg, positions))
+        rows = matrices.rows(self.element, self.domain.affine(positions), patch.xi, 0, transform)
+        weight = (patch.weights * self.stiffness(patch.xy))[..., None, None]
+        return matrices.integrate_products(rows, weight, rows)
+
+
+@dataclass
+class EdgeSpring:
+    """Elastic edge: integral of k w^2, or of k w_n^2 for a rotational spring, along edges."""
+
+    domain: Domain
+    element: PlateElement
+    edges: Ints
+    stiffness: Field
+    rotation: bool
+
+    def __post_init__(self) -> None:
+        self.patch: EdgePatch = self.domain.edge_patch(self.edges, self.element.maxdeg + 2)
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        yield np.arange(len(self.edges)), self.patch.triangles
+
+    def rows(self, positions: Ints, transform: Floats) -> Floats:
+        """w, or w_n, at the edge's points: (n, point, 1, local)."""
+        affine = self.domain.affine(self.patch.triangles[positions])
+        return edge_rows(self.element, affine, self.patch, positions, self.rotation, transform)
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        rows = self.rows(positions, transform)
+        weight = self.patch.weights[positions] * self.stiffness(self.patch.xy[positions])
+        return matrices.integrate_products(rows, weight[..., None, None], rows)
+
+
+@dataclass
+class PointSpring:
+    """Springs k (row . d)^2 at vertices, each with one row on the physical degrees of freedom of a triangle."""
+
+    element: PlateElement
+    domain: Domain
+    triangles: Ints
+    rows: Floats
+    stiffness: Floats
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        yield np.arange(len(self.triangles)), self.triangles
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        # transform = M L, with M from physical to reference and L from unknowns to physical
+        m = self.element.transformation(self.domain.affine(self.triangles[positions]))
+        rows = np.linalg.solve(np.swapaxes(m, 1, 2), self.rows[positions, :, None])
+        reduced = np.swapaxes(rows, 1, 2) @ transform
+        return self.stiffness[positions, None, None] * np.swapaxes(reduced, 1, 2) @ reduced
+
+
+def edge_rows(
+    element: PlateElement,
+    affine: matrices.AffineTriangles,
+    patch: EdgePatch,
+    positions: Ints | slice,
+    slope: bool,
+    transform: Floats,
+) -> Floats:
+    """w, or its derivative along the outward normal, at points of edges: (n, point, 1, local)."""
+    xi = patch.xi[positions]
+    if not slope:
+        return matrices.rows(element, affine, xi, 0, transform)
+    gradient = matrices.rows(element, affine, xi, 1, transform)
+    return patch.normal[positions][:, :, None, :] @ gradient

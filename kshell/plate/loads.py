@@ -1,0 +1,202 @@
+"""Loads of a plate: from a scene's words to linear forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import matrices
+from kshell.errors import InputError
+from kshell.mesh.select import Selection, select
+from kshell.mesh.words import place
+from kshell.plate.domain import Domain
+from kshell.plate.forms import Bending
+from kshell.plate.layout import Layout
+from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
+from kshell.plate.supports import first_triangles, points_3d
+from kshell.section import Section
+from kshell.values import is_constant
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+IN_PLANE = 1e-12
+
+
+@dataclass
+class Loads:
+    """All loads of a scene.
+
+    Attributes
+    ----------
+    forms : list of LinearForm
+    curvatures : list of CurvatureLoad
+        Those of the forms that are initial curvatures, for moments and energy.
+    warnings : list of str
+    """
+
+    forms: list[LinearForm] = field(default_factory=list)
+    curvatures: list[CurvatureLoad] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def initial_curvature(self, triangles: Ints, xy: Floats) -> Floats:
+        """Sum of initial curvatures (w_xx, w_yy, 2 w_xy) at points (n, point, 2) of triangles (n,)."""
+        total = np.zeros((*xy.shape[:2], 3))
+        for load in self.curvatures:
+            here = slice(None) if load.triangles is None else np.isin(triangles, load.triangles)
+            total[here] += load.curvature(xy[here])
+        return total
+
+
+def apply_loads(loads: list[Any], domain: Domain, layout: Layout, bending: Bending, section: Section) -> Loads:
+    """Translate the loads of a scene.
+
+    Raises
+    ------
+    InputError
+        For groups that do not exist or do not fit, and for loads in the plane, which a plate in bending
+        cannot answer.
+    """
+    builder = _Builder(domain, layout, bending, section)
+    for load in loads:
+        builder.add(load)
+    return builder.out
+
+
+class _Builder:
+    def __init__(self, domain: Domain, layout: Layout, bending: Bending, section: Section) -> None:
+        self.domain, self.layout, self.bending, self.section = domain, layout, bending, section
+        self.element = layout.element
+        self.out = Loads()
+        self.table: dict[str, Callable[[Any], None]] = {
+            "pressure": self._pressure,
+            "traction": self._traction,
+            "gravity": self._gravity,
+            "line_force": self._line_force,
+            "edge_moment": self._edge_moment,
+            "point_force": self._point_force,
+            "point_moment": self._point_moment,
+            "temperature": self._temperature,
+            "initial_curvature": self._initial_curvature,
+        }
+
+    def add(self, load: Any) -> None:
+        self.table[load.kind](load)
+
+    def _select(self, load: Any, dimension: int) -> Selection:
+        selection = select(self.domain.mesh, load.on, dimensions=(dimension,), what=f"load {load.kind}")
+        if selection.warning:
+            self.out.warnings.append(selection.warning)
+        return selection
+
+    def _triangles(self, load: Any) -> Ints | None:
+        return None if load.on is None else self._select(load, 2).members.astype(np.int64)
+
+    def _across(self, load: Any, xy: Floats) -> Floats:
+        """z component of a vector load at points (..., 2), after refusing components in the plane."""
+        value = load.at(points_3d(self.domain, xy))
+        in_plane = np.abs(value[..., :2]).max(initial=0.0)
+        if in_plane > IN_PLANE * np.abs(value).max(initial=0.0):
+            worst = xy.reshape(-1, 2)[int(np.abs(value[..., :2]).max(axis=-1).argmax())]
+            raise InputError(
+                f"{load}: it has a component of {in_plane:g} in the plane of the plate at {place(worst)}; a plate in "
+                "bending carries loads along z only: set x and y to 0"
+            )
+        return value[..., 2]
+
+    def _area(self, load: Any, value: float | Callable[[Ints, Floats], Floats]) -> None:
+        self.out.forms.append(AreaLoad(self.domain, self.element, self._triangles(load), value))
+
+    def _pressure(self, load: Any) -> None:
+        if load.follower:
+            raise InputError(
+                f"{load}: follower = true turns the pressure with the surface, which matters only under large "
+                "deflections; leave it out for a linear plate"
+            )
+        if is_constant(load.value):
+            self._area(load, float(load.value))
+        else:
+            self._area(load, lambda triangles, xy: load.at(points_3d(self.domain, xy)))
+
+    def _traction(self, load: Any) -> None:
+        self._area(load, lambda triangles, xy: self._across(load, xy))
+
+    def _gravity(self, load: Any) -> None:
+        def weight(triangles: Ints, xy: Floats) -> Floats:
+            mass = self.section.mass(triangles, points_3d(self.domain, xy))
+            if not mass.min(initial=np.inf) > 0.0:
+                raise InputError(f"{load}: the material has no density: give it, in mass per volume")
+            return mass * self._across(load, xy)
+
+        self._area(load, weight)
+
+    def _line_force(self, load: Any) -> None:
+        edges = self._select(load, 1).members.astype(np.int64)
+        form = EdgeLoad(self.domain, self.element, edges, lambda xy: self._across(load, xy), moment=False)
+        self.out.forms.append(form)
+
+    def _edge_moment(self, load: Any) -> None:
+        selection = self._select(load, 1)
+        edges = selection.members.astype(np.int64)
+        inside = edges[self.domain.mesh.edge_counts[edges] > 1]
+        if len(inside):
+            where = self.domain.points[self.domain.mesh.edges[inside[0]]].mean(axis=0)
+            raise InputError(
+                f"{load}: the edge at {place(where)} lies inside the plate, where a bending moment has no outward "
+                "side; put it on a boundary edge, or use initial_curvature"
+            )
+        form = EdgeLoad(self.domain, self.element, edges, lambda xy: load.at(points_3d(self.domain, xy)), moment=True)
+        self.out.forms.append(form)
+
+    def _point_force(self, load: Any) -> None:
+        for vertex in self._select(load, 0).members:
+            xy = self.domain.points[vertex]
+            force = float(self._across(load, xy[None])[0])
+            triangles, corner = first_triangles(self.domain.mesh, np.array([vertex], dtype=np.int64))
+            rows = np.zeros((1, self.element.count))
+            rows[0, corner[0] * self.layout.per_vertex] = force
+            total = np.array([force, 0.0, 0.0])
+            self.out.forms.append(PointLoad(self.domain, self.element, triangles, rows, total, xy))
+
+    def _point_moment(self, load: Any) -> None:
+        for vertex in self._select(load, 0).members:
+            xy = self.domain.points[vertex]
+            mx, my, mz = load.at(points_3d(self.domain, xy[None]))[0]
+            if abs(mz) > IN_PLANE * max(abs(mx), abs(my), abs(mz)):
+                raise InputError(
+                    f"{load}: the component about z, {mz:g}, turns the plate in its plane, which bending cannot "
+                    "carry: set it to 0"
+                )
+            triangles = np.flatnonzero((self.domain.mesh.triangles == vertex).any(axis=1)).astype(np.int64)
+            rows = self._gradient_rows(triangles, xy)  # (n, 2, local): the mean over the triangles around
+            work = (mx * rows[:, 1] - my * rows[:, 0]) / len(triangles)
+            total = np.array([0.0, mx, my])
+            self.out.forms.append(PointLoad(self.domain, self.element, triangles, work, total, xy))
+
+    def _gradient_rows(self, triangles: Ints, xy: Floats) -> Floats:
+        affine = self.domain.affine(triangles)
+        xi = affine.reference_coordinates(np.broadcast_to(xy, (len(triangles), 1, 2)))
+        return matrices.rows(self.element, affine, xi, 1, self.element.transformation(affine))[:, 0]
+
+    def _temperature(self, load: Any) -> None:
+        mean = is_constant(load.mean) and load.mean == 0.0
+        if not mean:
+            self.out.warnings.append(
+                f"{load}: the mean temperature stretches the plate in its plane and does not bend it: ignored"
+            )
+        self._curvature(load)
+
+    def _initial_curvature(self, load: Any) -> None:
+        self._curvature(load)
+
+    def _curvature(self, load: Any) -> None:
+        def curvature(xy: Floats) -> Floats:
+            return load.curvature_at(points_3d(self.domain, xy)) * np.array([1.0, 1.0, 2.0])
+
+        form = CurvatureLoad(self.bending, self._triangles(load), curvature)
+        self.out.forms.append(form)
+        self.out.curvatures.append(form)

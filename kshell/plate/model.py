@@ -1,0 +1,193 @@
+"""The plate from scene to result."""
+
+from __future__ import annotations
+
+import resource
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import SolveError
+from kshell.mesh.check import plate_problems
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import place
+from kshell.options import SolveOptions
+from kshell.plate.problem import PlateProblem, choose_element
+from kshell.plate.reactions import ReactionFinder
+from kshell.plate.recovery import Fields, principal, von_mises
+from kshell.result import Result, no_error_estimate
+from kshell.scene import Scene
+from kshell.solve import Solution, solve_system
+
+Floats = NDArray[np.float64]
+Stage = Callable[[str], None]
+
+UNBALANCED = 1e-6
+FAR_PROBE = 1e-6
+
+
+class Clock:
+    """Seconds per stage of a solve."""
+
+    def __init__(self, progress: Stage | None) -> None:
+        self.seconds: dict[str, float] = {}
+        self._progress = progress
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time a block under a name, and announce it."""
+        if self._progress is not None:
+            self._progress(name)
+        begin = time.perf_counter()
+        yield
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
+
+
+def solve_plate(
+    scene: Scene, mesh: Mesh, options: SolveOptions, progress: Stage | None = None, read_seconds: float = 0.0
+) -> Result:
+    """Deflection of a Kirchhoff plate under static loads.
+
+    Parameters
+    ----------
+    scene : Scene
+    mesh : Mesh
+        Of the scene, as read.
+    options : SolveOptions
+    progress : function, optional
+        Called with the name of each stage: assemble, solve, recover.
+    read_seconds : float
+        Time already spent on reading.
+
+    Raises
+    ------
+    InputError
+        If the scene cannot be a plate, or it is not held.
+    SolveError
+        If no answer was reached.
+    """
+    clock = Clock(progress)
+    clock.seconds["read"] = read_seconds
+    with clock.stage("assemble"):
+        plate_problems(mesh)
+        choice = choose_element(options, mesh)
+        problem = PlateProblem(scene, mesh, choice.element)
+        matrix, load = problem.assembled, problem.load
+    with clock.stage("solve"):
+        solution = _solve(problem, matrix.fixed_load + load[0], options)
+        d = problem.reduction.expand(solution.x)
+        if not np.isfinite(d).all():
+            raise SolveError("the solution is not finite: check the magnitudes of stiffness and loads", state=d)
+    with clock.stage("recover"):
+        result = _recover(scene, problem, d, solution)
+    reasons = ["kind plate: the mesh is flat", choice.reason, "linear: only small deflections are computed"]
+    result.model = {
+        "kind": "plate",
+        "large_deflection": False,
+        "element": choice.element.name,
+        "order": choice.element.maxdeg,
+        "reasons": reasons,
+    }
+    result.solver = {
+        "name": solution.name,
+        "why": solution.why,
+        "iterations": solution.iterations,
+        "seconds": {**clock.seconds},
+        "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+    }
+    return result
+
+
+def _solve(problem: PlateProblem, rhs: Floats, options: SolveOptions) -> Solution:
+    if problem.reduction.count == 0:
+        none = np.zeros(0)
+        return Solution(none, "none", "the supports hold every degree of freedom", 0, (0.0,), 0.0, 0.0)
+    return solve_system(problem.assembled.matrix, rhs, problem.space, options.solver)
+
+
+def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution) -> Result:
+    mesh = problem.mesh
+    fields = Fields(problem.domain, problem.layout, problem.bending, problem.section, problem.loads, d)
+    finder = ReactionFinder(
+        problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending
+    )
+    reactions = finder.find(d, problem.loads.forms, fields)
+    warnings = [*mesh.notes, *problem.warnings(), *solution.warnings]
+    if reactions.balance > UNBALANCED:
+        warnings.append(
+            f"loads and reactions differ by {reactions.balance:.1e} of the larger: the solution has few correct "
+            "digits; look for very small or very thin triangles (`kshell check`)"
+        )
+    probes, probe_warnings = _probes(scene, mesh, fields)
+    strain_energy, work = problem.energies(solution.x)
+    error = no_error_estimate()
+    error["budget"]["algebra"] = float(solution.energy_error)
+    return Result(
+        mesh=mesh,
+        fields=vertex_fields(fields),
+        cell_fields=_cell_fields(problem, fields),
+        unknowns=problem.reduction.count,
+        model={},
+        title=scene.title,
+        frame="global x, y",
+        probes=probes,
+        reactions=reactions.groups,
+        balance=reactions.balance,
+        strain_energy=strain_energy,
+        external_work=work,
+        evaluate=fields.at,
+        error=error,
+        warnings=warnings + probe_warnings,
+        scene=scene,
+    )
+
+
+def vertex_fields(fields: Fields) -> dict[str, Floats]:
+    """All fields at vertices, with stresses and principal values derived from the moments."""
+    out = dict(fields.vertex_values)
+    mesh = fields.domain.mesh
+    first = np.zeros(len(mesh.points), dtype=np.int64)
+    first[mesh.triangles.ravel()] = np.repeat(np.arange(len(mesh.triangles)), 3)
+    top, bottom = fields.stresses(out["moment"], first, fields.domain.points)
+    out["stress_top"], out["stress_bottom"] = top, bottom
+    out["von_mises_top"], out["von_mises_bottom"] = von_mises(top), von_mises(bottom)
+    out["principal_moments"] = principal(out["moment"])
+    return out
+
+
+def _cell_fields(problem: PlateProblem, fields: Fields) -> dict[str, NDArray[Any]]:
+    triangles = np.arange(len(problem.mesh.triangles))
+    centroids = problem.mesh.points[problem.mesh.triangles].mean(axis=1)[:, None]
+    return {
+        "thickness": problem.section.thickness(triangles, centroids)[:, 0],
+        "moment": fields.centroid_moments,
+    }
+
+
+def _probes(scene: Scene, mesh: Mesh, fields: Fields) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    if not scene.probes:
+        return {}, []
+    names = list(scene.probes)
+    points = np.array([scene.probes[name] for name in names], dtype=float)
+    values = fields.at(points)
+    off = np.hypot(values["distance"], points[:, 2] - mesh.points[0, 2])
+    typical = float(np.sqrt(2 * np.median(mesh.areas)))
+    warnings = [
+        f"probe {name}: {place(point)} lies {distance:.3g} off the plate, more than a mesh size ({typical:.3g}); "
+        f"the values are those at the nearest point, {place(x)}"
+        for name, point, distance, x in zip(names, points, off, values["x"], strict=True)
+        if distance > typical
+    ]
+    out = {}
+    for k, name in enumerate(names):
+        probe = {key: value[k] for key, value in values.items() if key != "distance"}
+        probe["N"] = np.zeros(3)
+        probe["von_mises_top"] = float(von_mises(probe["stress_top"]))
+        probe["von_mises_bottom"] = float(von_mises(probe["stress_bottom"]))
+        probe["principal_moments"] = principal(probe["M"])
+        out[name] = probe
+    return out, warnings

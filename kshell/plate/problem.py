@@ -1,0 +1,134 @@
+"""A plate ready to solve: the scene's words turned into matrix, loads and space, stage by stage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import ElementArgyris, ElementMorley, PlateElement
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import place
+from kshell.options import SolveOptions
+from kshell.plate.assembly import Assembled, assemble_load, assemble_matrix
+from kshell.plate.domain import Domain
+from kshell.plate.forms import Bending, Form
+from kshell.plate.layout import Layout
+from kshell.plate.loads import Loads, apply_loads
+from kshell.plate.pattern import Pattern
+from kshell.plate.reduction import Reduction
+from kshell.plate.rigid import require_held
+from kshell.plate.space import plate_space
+from kshell.plate.supports import Supports, apply_supports
+from kshell.scene import Scene
+from kshell.section import Section, plate_section
+from kshell.solve import PlateSpace
+
+Floats = NDArray[np.float64]
+
+ELEMENTS: dict[str, type[PlateElement]] = {"morley": ElementMorley, "argyris": ElementArgyris}
+
+# up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
+ARGYRIS_UP_TO = 100_000
+BLUNT_CORNER = np.radians(25.0)
+
+
+@dataclass(frozen=True)
+class ElementChoice:
+    """An element and why it was taken."""
+
+    element: PlateElement
+    reason: str
+
+
+def choose_element(options: SolveOptions, mesh: Mesh) -> ElementChoice:
+    """The element asked for, or the one that suits the size of the mesh."""
+    n = len(mesh.triangles)
+    if options.element != "auto":
+        return ElementChoice(ELEMENTS[options.element](), f"element {options.element}: as asked for")
+    if n <= ARGYRIS_UP_TO:
+        reason = f"element argyris: {n} triangles are few enough for quintics, the most accurate choice"
+        return ElementChoice(ElementArgyris(), reason)
+    reason = (
+        f"element morley: {n} triangles are more than {ARGYRIS_UP_TO}, where quintics would take long; "
+        'element = "argyris" has them all the same'
+    )
+    return ElementChoice(ElementMorley(), reason)
+
+
+class PlateProblem:
+    """A scene as a plate problem.
+
+    Parameters
+    ----------
+    scene : Scene
+    mesh : Mesh
+        Planar, in a plane of constant z.
+    element : PlateElement
+
+    Raises
+    ------
+    InputError
+        If a support, load, material or thickness does not fit, or the plate is not held.
+    """
+
+    def __init__(self, scene: Scene, mesh: Mesh, element: PlateElement) -> None:
+        self.mesh, self.element = mesh, element
+        self.domain = Domain(mesh, curved=element.maxdeg > 2)
+        self.layout = Layout(mesh, element)
+        self.section: Section = plate_section(mesh, scene.thickness, scene.material, scene.layers)
+        self.bending = Bending(self.domain, element, self.section)
+        self.supports: Supports = apply_supports(list(scene.supports), self.domain, self.layout)
+        self.loads: Loads = apply_loads(list(scene.loads), self.domain, self.layout, self.bending, self.section)
+        springs = [form for _, form in self.supports.springs]
+        require_held(self.domain, self.layout, self.supports.conditions, springs)
+        self.reduction = Reduction(self.layout, self.supports.conditions)
+        self.forms: list[Form] = [self.bending, *springs]
+
+    @cached_property
+    def assembled(self) -> Assembled:
+        """Matrix on the unknowns and the share of prescribed motion."""
+        return assemble_matrix(self.forms, self.domain, self.reduction, Pattern(self.reduction))
+
+    @cached_property
+    def load(self) -> tuple[Floats, float]:
+        """Load on the unknowns, and its work on the prescribed motion."""
+        return assemble_load(self.loads.forms, self.domain, self.reduction)
+
+    @cached_property
+    def space(self) -> PlateSpace:
+        """For multigrid, and for naming what moves freely."""
+        return plate_space(self.domain, self.layout, self.supports.conditions, self.reduction)
+
+    def energies(self, q: Floats) -> tuple[float, float]:
+        """Strain energy, and the work of the loads when they are applied slowly.
+
+        For a plate with supports at rest both are equal; prescribed motion does work too, initial
+        curvature stores energy when it is held back.
+        """
+        a, load = self.assembled, self.load
+        elastic = float(0.5 * (q @ (a.matrix @ q)) - q @ a.fixed_load + 0.5 * a.fixed_energy)
+        work = 0.5 * (float(q @ load[0]) + load[1])
+        if not self.loads.curvatures:
+            return elastic, work
+        fixed, fixed_work = assemble_load(list(self.loads.curvatures), self.domain, self.reduction)
+        pull = float(q @ fixed) + fixed_work
+        stored = sum(c.energy() for c in self.loads.curvatures)
+        return elastic - pull + stored, work - 0.5 * pull
+
+    def warnings(self) -> list[str]:
+        """What the user should know about the model."""
+        out = [*self.supports.warnings, *self.loads.warnings]
+        boundary = self.domain.boundary
+        if boundary.sharpest > BLUNT_CORNER:
+            out.append(
+                f"the boundary turns by {np.degrees(boundary.sharpest):.0f} degrees at a vertex near "
+                f"{place(boundary.sharpest_at)} and is taken as a smooth curve there, because it turns alike at the "
+                "neighbouring vertices; if it is a corner, use two or more elements on each side of it, if it is a "
+                "curve, refine it"
+            )
+        if not self.loads.forms and not np.any(self.reduction.particular):
+            out.append("there is no load and no prescribed motion: the deflection is zero")
+        return out

@@ -1,0 +1,217 @@
+"""Reactions of the supports, concentrated corner forces, and the check of equilibrium.
+
+The residual K d - f of the degrees of freedom that supports hold is the work of the reactions on unit
+motions; on rigid motions it gives forces and moments without any differentiation of the solution. A
+vertex that several supports hold is shared equally between them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.plate.assembly import residual
+from kshell.plate.domain import Domain
+from kshell.plate.forms import Form
+from kshell.plate.layout import Layout
+from kshell.plate.loading import LinearForm
+from kshell.plate.recovery import Fields
+from kshell.plate.reduction import Reduction
+from kshell.plate.supports import Supports
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Reactions:
+    """Forces of the supports on the plate.
+
+    Attributes
+    ----------
+    groups : dict of label to dict
+        force (3,), moment (3,) about the origin of the coordinates, corners: concentrated forces at corners
+        of the plate, part of force.
+    balance : float
+        What loads and reactions leave over, relative to the larger of both.
+    """
+
+    groups: dict[str, dict[str, Any]]
+    balance: float
+
+
+class ReactionFinder:
+    """Collects reactions group by group."""
+
+    def __init__(
+        self, domain: Domain, layout: Layout, reduction: Reduction, supports: Supports, bending: Form
+    ) -> None:
+        self.domain, self.layout, self.reduction, self.supports = domain, layout, reduction, supports
+        self.forms = [bending, *[form for _, form in supports.springs]]
+        mesh = domain.mesh
+        self.centre = 0.5 * (domain.points.min(axis=0) + domain.points.max(axis=0))
+        self.size = float(np.abs(domain.points - self.centre).max())
+        held = np.zeros(len(mesh.points), dtype=bool)
+        for group in supports.held:
+            held[group.vertices] = True
+            held[mesh.edges[group.edges]] = True
+        self.near = np.flatnonzero(held[mesh.triangles].any(axis=1)).astype(np.int64)
+
+    def find(self, d: Floats, loads: list[LinearForm], fields: Fields) -> Reactions:
+        """Reactions of a solution with physical degrees of freedom d."""
+        r = residual(self.forms, loads, self.domain, self.reduction, d, self.near)
+        slopes = self._release_slopes(r)
+        totals: dict[str, Floats] = {}
+        share = self._shares()
+        for group in self.supports.held:
+            total = self._at_vertices(r, group.vertices, share) + self._at_edges(r, slopes, group.edges)
+            totals[group.label] = totals.get(group.label, np.zeros(3)) + total
+        for label, form in self.supports.springs:
+            totals[label] = totals.get(label, np.zeros(3)) + self._spring_force(form, d)
+        corners = self._corner_forces(fields)
+        groups = {
+            label: self._document(total, [c for c in corners if label in c["groups"]])
+            for label, total in totals.items()
+        }
+        return Reactions(groups, self._balance(totals, loads))
+
+    def _shares(self) -> Floats:
+        """(vertex,) part of each vertex that falls to each support that holds it."""
+        count = np.zeros(len(self.domain.mesh.points))
+        for group in self.supports.held:
+            count[group.vertices] += 1
+        return 1.0 / np.maximum(count, 1.0)
+
+    def _release_slopes(self, r: Floats) -> Floats:
+        """Reaction moments of slopes held at curved edges; their rows are taken out of the residual."""
+        reduction = self.reduction
+        moments = np.zeros(len(reduction.slave_edges))
+        for t, chosen in reduction.slaves_by_triangle.items():
+            dofs = self.layout.triangle_dofs(np.array([t]))[0]
+            rows = reduction.slave_rows[chosen]
+            own = self.layout.edge_dofs(reduction.slave_edges[chosen])
+            local = np.array([int(np.flatnonzero(dofs == dof)[0]) for dof in own])
+            moments[chosen] = np.linalg.solve(rows[:, local].T, r[own])
+            r[dofs] -= moments[chosen] @ rows
+        return moments
+
+    def _at_vertices(self, r: Floats, vertices: Ints, share: Floats) -> Floats:
+        """Force along z and moments about x, y through the centre."""
+        work = r[self.layout.vertex_dofs(vertices)] * share[vertices, None]
+        arm = self.domain.points[vertices] - self.centre
+        total = np.array([work[:, 0].sum(), (work[:, 0] * arm[:, 1]).sum(), -(work[:, 0] * arm[:, 0]).sum()])
+        if self.layout.per_vertex > 1:
+            total[1] += work[:, 2].sum()
+            total[2] -= work[:, 1].sum()
+        return total
+
+    def _at_edges(self, r: Floats, slopes: Floats, edges: Ints) -> Floats:
+        """Moments of held slopes; an edge in several groups is shared."""
+        count = sum(np.isin(edges, other.edges).astype(float) for other in self.supports.held)
+        weight = 1.0 / np.maximum(count, 1.0)
+        ends = self.domain.points[self.domain.mesh.edges[edges]]
+        t = (ends[:, 1] - ends[:, 0]) / self.domain.mesh.edge_lengths[edges][:, None]
+        normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
+        moment = r[self.layout.edge_dofs(edges)] * weight
+        slave = self.reduction.slave_edges
+        if len(slave):
+            place_in = np.minimum(np.searchsorted(slave, edges), len(slave) - 1)
+            bent = slave[place_in] == edges
+            if bent.any():
+                patch = self.domain.edge_points(edges[bent], np.array([0.5]), np.ones(1))
+                normal[bent] = patch.normal[:, 0]
+                moment[bent] = slopes[place_in[bent]] * weight[bent]
+        return np.array([0.0, (moment * normal[:, 1]).sum(), -(moment * normal[:, 0]).sum()])
+
+    def _spring_force(self, form: Form, d: Floats) -> Floats:
+        """What springs exert on the plate: minus their stiffness times the motion, on rigid motions."""
+        total = np.zeros(3)
+        for positions, triangles in form.blocks():
+            affine = self.domain.affine(triangles)
+            m = self.layout.element.transformation(affine)
+            dofs = d[self.layout.triangle_dofs(triangles)]
+            rigid = self._rigid(triangles)
+            both = np.concatenate([m @ rigid, m @ dofs[:, :, None]], axis=2)
+            total -= form.matrices(positions, both)[:, :3, 3].sum(axis=0)
+        return total
+
+    def _rigid(self, triangles: Ints) -> Floats:
+        """(n, local, 3) degrees of freedom of w = 1, y - y0, -(x - x0)."""
+        b = self.layout.per_vertex
+        affine = self.domain.affine(triangles)
+        out = np.zeros((len(triangles), self.layout.element.count, 3))
+        for v in range(3):
+            arm = affine.corners[:, v] - self.centre
+            out[:, b * v, 0] = 1.0
+            out[:, b * v, 1], out[:, b * v, 2] = arm[:, 1], -arm[:, 0]
+            if b > 1:
+                out[:, b * v + 2, 1], out[:, b * v + 1, 2] = 1.0, -1.0
+        out[:, 3 * b :, 1] = affine.normals[..., 1]
+        out[:, 3 * b :, 2] = -affine.normals[..., 0]
+        return out
+
+    def _document(self, total: Floats, corners: list[dict[str, Any]]) -> dict[str, Any]:
+        force, mx, my = total
+        # from the centre to the origin of the coordinates: M + r x F
+        moment = np.array([mx + self.centre[1] * force, my - self.centre[0] * force, 0.0])
+        out: dict[str, Any] = {"force": np.array([0.0, 0.0, force]), "moment": moment}
+        if corners:
+            out["corners"] = [{"at": c["at"], "force": c["force"]} for c in corners]
+        return out
+
+    def _balance(self, totals: dict[str, Floats], loads: list[LinearForm]) -> float:
+        """Relative error of equilibrium of forces and of moments about the centre."""
+        scale = np.array([1.0, 1.0 / self.size, 1.0 / self.size])
+        parts = [load.resultant(self.centre) * scale for load in loads]
+        parts += [total * scale for total in totals.values()]
+        if not parts:
+            return 0.0
+        return float(np.abs(np.sum(parts, axis=0)).max() / max(np.abs(parts).max(), 1e-300))
+
+    def _corner_forces(self, fields: Fields) -> list[dict[str, Any]]:
+        """Concentrated reactions where two edges that hold w meet at a corner: the jump of M_nt."""
+        if not fields.polynomial_moments:
+            return []
+        mesh, boundary = self.domain.mesh, self.domain.boundary
+        edge_groups: dict[int, list[str]] = {}
+        for group in self.supports.held:
+            for e in group.line.tolist():
+                edge_groups.setdefault(e, []).append(group.label)
+        around: dict[int, list[tuple[int, int]]] = {}
+        for e in edge_groups:
+            if mesh.edge_counts[e] == 1:
+                for end, v in enumerate(mesh.edges[e].tolist()):
+                    around.setdefault(v, []).append((e, end))
+        out = []
+        for v, pair in around.items():
+            if len(pair) != 2:
+                continue
+            twist, tangent = [], []
+            for e, end in pair:
+                t = boundary.tangent[boundary.place(np.array([e]))[0], end]
+                value, along = self._twist(fields, e, v, t)
+                twist.append(value if along == "out" else -value)
+                tangent.append(t)
+            if abs(tangent[0][0] * tangent[1][1] - tangent[0][1] * tangent[1][0]) < 1e-6:
+                continue  # no corner
+            labels = sorted({name for e, _ in pair for name in edge_groups[e]})
+            out.append({"at": mesh.points[v], "force": np.array([0.0, 0.0, sum(twist)]), "groups": labels})
+        return out
+
+    def _twist(self, fields: Fields, edge: int, vertex: int, tangent: Floats) -> tuple[float, str]:
+        """M_nt at one end of a boundary edge walked with the plate on the left; does it leave the vertex?"""
+        mesh = self.domain.mesh
+        triangle, local = mesh.edge_owner[edge]
+        corners = mesh.triangles[triangle]
+        a, b = ((0, 1), (1, 2), (2, 0))[local]  # counter-clockwise
+        leaves = corners[a] == vertex
+        t = tangent if mesh.edges[edge, 0] == corners[a] else -tangent
+        n = np.array([t[1], -t[0]])
+        affine = self.domain.affine(np.array([triangle]))
+        xy = self.domain.points[vertex][None, None]
+        xx, yy, xy_part = fields.moment(np.array([triangle]), affine.reference_coordinates(xy), xy)[0, 0]
+        value = n[0] * t[0] * xx + n[1] * t[1] * yy + (n[0] * t[1] + n[1] * t[0]) * xy_part
+        return float(value), "out" if leaves else "in"

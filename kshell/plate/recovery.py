@@ -1,0 +1,230 @@
+"""Deflection, rotation, moments, shear forces and stresses from a solution.
+
+Moments are M = -D (kappa - kappa_0), kappa = (w_xx, w_yy, 2 w_xy); shear forces Q = div M. With Argyris
+all of them come from the polynomial of the triangle, at vertices averaged over the triangles around,
+weighted by area (moments are continuous there unless the stiffness jumps). Morley has one moment per
+triangle: vertex values come from a linear least-squares fit over the triangles around each vertex
+(Zienkiewicz & Zhu, Int. J. Numer. Meth. Eng. 33 (1992) 1331-1364), values between from the vertices.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.elements import matrices
+from kshell.elements.reference import VERTICES
+from kshell.plate.domain import BLOCK, Domain
+from kshell.plate.forms import Bending
+from kshell.plate.layout import Layout
+from kshell.plate.loads import Loads
+from kshell.plate.locate import Located, Locator
+from kshell.plate.supports import points_3d
+from kshell.section import Section
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+STEP = 1e-5  # of a triangle's size: differences of a varying stiffness
+
+
+class Fields:
+    """Everything that can be read off a solution, at vertices and anywhere.
+
+    Parameters
+    ----------
+    d : (dof,) array
+        Physical degrees of freedom.
+    """
+
+    def __init__(
+        self, domain: Domain, layout: Layout, bending: Bending, section: Section, loads: Loads, d: Floats
+    ) -> None:
+        self.domain, self.layout, self.bending = domain, layout, bending
+        self.section, self.loads, self.d = section, loads, d
+        self.element = layout.element
+        self.polynomial_moments = self.element.maxdeg > 2
+
+    def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
+        """Derivatives of one order at reference points, (n, point, partial); order 2 is w_xx, w_yy, 2 w_xy."""
+        parts = []
+        for start in range(0, len(triangles), BLOCK):
+            block = triangles[start : start + BLOCK]
+            affine = self.domain.affine(block)
+            m = self.element.transformation(affine)
+            vector = m @ self.d[self.layout.triangle_dofs(block)][:, :, None]
+            points = xi if xi.ndim == 2 else xi[start : start + BLOCK]
+            parts.append(matrices.rows(self.element, affine, points, order, vector)[..., 0])
+        return np.concatenate(parts)
+
+    def curvature(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
+        """Elastic curvature kappa - kappa_0 (n, point, 3) at points of triangles."""
+        return self.derivatives(triangles, xi, 2) - self.loads.initial_curvature(triangles, xy)
+
+    def moment(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
+        """M_xx, M_yy, M_xy (n, point, 3) from the polynomials of the triangles."""
+        kappa = self.curvature(triangles, xi, xy)
+        return -(self.bending.at(triangles, xy) @ kappa[..., None])[..., 0]
+
+    def shear(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
+        """Q_x, Q_y (n, point, 2), the divergence of the moments."""
+        third = self.derivatives(triangles, xi, 3)  # xxx, xxy, xyy, yyy
+        along_x = third[..., [0, 2, 1]] * np.array([1.0, 1.0, 2.0])
+        along_y = third[..., [1, 3, 2]] * np.array([1.0, 1.0, 2.0])
+        stiffness = self.bending.at(triangles, xy)
+        dx = -(stiffness @ along_x[..., None])[..., 0]
+        dy = -(stiffness @ along_y[..., None])[..., 0]
+        if not self.section.constant_per_triangle or self.loads.curvatures:
+            second = self.derivatives(triangles, xi, 2)
+            dx = dx + self._change(triangles, xy, second, np.array([1.0, 0.0]))
+            dy = dy + self._change(triangles, xy, second, np.array([0.0, 1.0]))
+        return np.stack([dx[..., 0] + dy[..., 2], dx[..., 2] + dy[..., 1]], axis=-1)
+
+    def _change(self, triangles: Ints, xy: Floats, second: Floats, direction: Floats) -> Floats:
+        """How M changes along a direction because the stiffness or the initial curvature does."""
+        size = np.sqrt(np.abs(self.domain.affine(triangles).determinant))[:, None, None]
+        step = STEP * size * direction
+
+        def moment(at: Floats) -> Floats:
+            kappa = second - self.loads.initial_curvature(triangles, at)
+            return -(self.bending.at(triangles, at) @ kappa[..., None])[..., 0]
+
+        return (moment(xy + step) - moment(xy - step)) / (2 * STEP * size)
+
+    @cached_property
+    def vertex_values(self) -> dict[str, Floats]:
+        """Fields at the vertices: displacement (v, 3), rotation (v, 3), moment (v, 3), shear (v, 2)."""
+        mesh = self.domain.mesh
+        triangles = np.arange(len(mesh.triangles))
+        w = self.d[self.layout.vertex_dofs(np.arange(len(mesh.points)))[:, 0]]
+        if self.layout.per_vertex > 1:
+            gradient = self.d[self.layout.vertex_dofs(np.arange(len(mesh.points)))[:, 1:3]]
+        else:
+            gradient = self._average(self.derivatives(triangles, VERTICES, 1))
+        xy = self.domain.points[mesh.triangles]
+        if self.polynomial_moments:
+            moment = self._average(self.moment(triangles, VERTICES, xy))
+            shear = self._average(self.shear(triangles, VERTICES, xy))
+        else:
+            moment, shear = self._fitted_moments
+        zero = np.zeros_like(w)
+        return {
+            "displacement": np.stack([zero, zero, w], axis=1),
+            "rotation": np.stack([gradient[:, 1], -gradient[:, 0], zero], axis=1),
+            "moment": moment,
+            "shear": shear,
+        }
+
+    def _average(self, values: Floats) -> Floats:
+        """Mean over the triangles around each vertex, by area, of values (triangle, corner, component)."""
+        mesh = self.domain.mesh
+        corner = mesh.triangles.ravel()
+        weight = np.repeat(mesh.areas, 3)
+        total = np.bincount(corner, weight, len(mesh.points))
+        flat = values.reshape(len(corner), -1)
+        sums = [np.bincount(corner, weight * flat[:, k], len(mesh.points)) for k in range(flat.shape[1])]
+        return np.stack(sums, axis=1) / np.where(total > 0, total, 1.0)[:, None]
+
+    @cached_property
+    def centroid_moments(self) -> Floats:
+        """(triangle, 3) moments at the centroids."""
+        mesh = self.domain.mesh
+        xi = np.array([[1 / 3, 1 / 3]])
+        xy = self.domain.points[mesh.triangles].mean(axis=1)[:, None]
+        return self.moment(np.arange(len(mesh.triangles)), xi, xy)[:, 0]
+
+    @cached_property
+    def _fitted_moments(self) -> tuple[Floats, Floats]:
+        """Vertex moments and shear forces by a linear fit of triangle moments around each vertex."""
+        mesh = self.domain.mesh
+        n = len(mesh.points)
+        corner = mesh.triangles.ravel()
+        triangle = np.repeat(np.arange(len(mesh.triangles)), 3)
+        near = sp.csr_matrix((np.ones(len(corner)), (corner, triangle)), shape=(n, len(mesh.triangles)))
+        few = np.flatnonzero(np.diff(near.indptr) < 5)  # at the boundary: take one more ring
+        ring = (near[few] @ near.T) @ near
+        link = sp.vstack([near, sp.csr_matrix(ring)]).tocoo()
+        vertex = np.concatenate([np.arange(n), few])[link.row]
+        drop = np.isin(vertex, few) & (link.row < n)
+        vertex, triangle = vertex[~drop], link.col[~drop]
+        h = self.layout.vertex_sizes
+        offset = self.domain.points[mesh.triangles].mean(axis=1)[triangle] - self.domain.points[vertex]
+        basis = np.concatenate([np.ones((len(vertex), 1)), offset / h[vertex, None]], axis=1)
+        gram = np.zeros((n, 3, 3))
+        right = np.zeros((n, 3, 3))
+        np.add.at(gram, vertex, basis[:, :, None] * basis[:, None, :])
+        np.add.at(right, vertex, basis[:, :, None] * self.centroid_moments[triangle][:, None, :])
+        gram += 1e-10 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        unused = gram[:, 0, 0] == 0
+        gram[unused] = np.eye(3)
+        c = np.linalg.solve(gram, right)  # (vertex, 1 x y, moment)
+        slope = c[:, 1:] / h[:, None, None]
+        shear = np.stack([slope[:, 0, 0] + slope[:, 1, 2], slope[:, 0, 2] + slope[:, 1, 1]], axis=1)
+        return c[:, 0], shear
+
+    def stresses(self, moment: Floats, triangles: Ints, points: Floats) -> tuple[Floats, Floats]:
+        """Stresses (n, 3) at the top (z = +t/2) and the bottom from moments (n, 3) at points (n, 2)."""
+        xy = points[:, None]
+        at = points_3d(self.domain, xy)
+        top, bottom = self.section.stress_factors(triangles, at)
+        kappa = -np.linalg.solve(self.bending.at(triangles, xy)[:, 0], moment[:, :, None])
+        return (top[:, 0] @ kappa)[..., 0], (bottom[:, 0] @ kappa)[..., 0]
+
+    @cached_property
+    def locator(self) -> Locator:
+        """For values anywhere."""
+        return Locator(self.domain)
+
+    def at(self, points: Floats) -> dict[str, Floats]:
+        """Fields at points (n, 3) or (n, 2), or at the nearest points of the plate.
+
+        Returns
+        -------
+        dict
+            x (n, 3), u (n, 3), rotation (n, 3), M (n, 3), Q (n, 2), stress_top, stress_bottom (n, 3),
+            distance (n,) to the point used.
+        """
+        xy = np.asarray(points, dtype=float)[:, :2]
+        found = self.locator.find(xy)
+        w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
+        gradient = self.derivatives(found.triangles, found.xi, 1)[:, 0]
+        moment, shear = self._forces(found)
+        top, bottom = self.stresses(moment, found.triangles, found.xy)
+        zero = np.zeros_like(w)
+        return {
+            "x": points_3d(self.domain, found.xy),
+            "u": np.stack([zero, zero, w], axis=1),
+            "rotation": np.stack([gradient[:, 1], -gradient[:, 0], zero], axis=1),
+            "M": moment,
+            "Q": shear,
+            "stress_top": top,
+            "stress_bottom": bottom,
+            "distance": found.distance,
+        }
+
+    def _forces(self, found: Located) -> tuple[Floats, Floats]:
+        if self.polynomial_moments:
+            xy = found.xy[:, None]
+            moment = self.moment(found.triangles, found.xi, xy)[:, 0]
+            return moment, self.shear(found.triangles, found.xi, xy)[:, 0]
+        x, y = found.xi[:, 0].T
+        weights = np.stack([1 - x - y, x, y], axis=1)[:, None]  # (n, 1, corner)
+        corners = self.domain.mesh.triangles[found.triangles]
+        moment, shear = self._fitted_moments
+        return (weights @ moment[corners])[:, 0], (weights @ shear[corners])[:, 0]
+
+
+def von_mises(stress: Floats) -> Floats:
+    """Equivalent stress (...) of plane stress (..., 3)."""
+    xx, yy, xy = np.moveaxis(stress, -1, 0)
+    return np.sqrt(np.maximum(xx**2 - xx * yy + yy**2 + 3 * xy**2, 0.0))
+
+
+def principal(tensor: Floats) -> Floats:
+    """Principal values (..., 2), the larger first, of symmetric tensors (..., 3) given as xx, yy, xy."""
+    xx, yy, xy = np.moveaxis(tensor, -1, 0)
+    mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
+    return np.stack([mean + radius, mean - radius], axis=-1)

@@ -1,0 +1,152 @@
+"""Is the plate held? A rigid motion that no support resists is named before anything is solved.
+
+A plate in bending moves rigidly as w = c0 + c1 x + c2 y, each piece of the mesh on its own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from kshell.elements import matrices
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import place
+from kshell.plate.domain import Domain
+from kshell.plate.forms import Form
+from kshell.plate.layout import Layout
+from kshell.plate.reduction import Conditions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+LOOSE = 1e-10  # resistance to a motion, relative to the largest one in the piece
+
+
+def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs: list[Form]) -> None:
+    """Raise InputError if a piece of the plate can move as a rigid body, naming the motion and the piece."""
+    mesh = domain.mesh
+    piece_count, piece = pieces(mesh)
+    gram = np.zeros((piece_count, 3, 3))
+    centres, sizes = _extent(mesh, piece, piece_count)
+
+    def add(vertex_rows: Floats, member: Ints) -> None:
+        np.add.at(gram, member, vertex_rows[:, :, None] * vertex_rows[:, None, :])
+
+    piece_of_vertex = np.zeros(len(mesh.points), dtype=np.int64)
+    piece_of_vertex[mesh.triangles.ravel()] = np.repeat(piece, 3)
+    for vertices, rows in zip(conditions.vertices, conditions.rows, strict=True):
+        member = piece_of_vertex[vertices]
+        add((rows[:, None] @ _rigid_at_vertices(layout, vertices, centres[member], sizes[member]))[:, 0], member)
+    edge_piece = piece[mesh.edge_owner[:, 0]]
+    for edges in conditions.edges:
+        member = edge_piece[edges]
+        ends = domain.points[mesh.edges[edges]]
+        t = (ends[:, 1] - ends[:, 0]) / mesh.edge_lengths[edges][:, None]
+        slope = np.stack([np.zeros(len(edges)), t[:, 1], -t[:, 0]], axis=1)
+        add(slope, member)
+    for triangles, rows in zip(conditions.triangles, conditions.triangle_rows, strict=True):
+        member = piece[triangles]
+        motion = _rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
+        add((rows[:, None] @ motion)[:, 0] * sizes[member][:, None], member)
+    for spring in springs:
+        for positions, triangles in spring.blocks():
+            member = piece[triangles]
+            motion = _rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
+            m = layout.element.transformation(domain.affine(triangles))
+            resistance = spring.matrices(positions, m @ motion)
+            total = np.zeros((piece_count, 3, 3))
+            np.add.at(total, member, resistance)
+            biggest = np.abs(total).max(axis=(1, 2), initial=0.0)
+            gram += total / np.where(biggest > 0, biggest, 1.0)[:, None, None]
+
+    value, vector = np.linalg.eigh(gram)
+    loose = np.flatnonzero(value[:, 0] < LOOSE * np.maximum(value[:, 2], 1e-300))
+    if len(loose):
+        k = int(loose[0])
+        free = vector[k][:, value[k] < LOOSE * max(value[k, 2], 1e-300)]
+        raise InputError(_words(free, centres[k], sizes[k], piece_count, mesh, piece == k))
+
+
+def pieces(mesh: Mesh) -> tuple[int, Ints]:
+    """Number of pieces joined along edges, and the piece of each triangle."""
+    n = len(mesh.triangles)
+    row = np.repeat(np.arange(n), 3)
+    member = sp.csr_matrix((np.ones(3 * n, dtype=np.int8), (row, mesh.triangle_edges.ravel())))
+    count, label = connected_components(member @ member.T, directed=False)
+    return int(count), label.astype(np.int64)
+
+
+def _extent(mesh: Mesh, piece: Ints, count: int) -> tuple[Floats, Floats]:
+    """Centre (piece, 2) and size (piece,) of the pieces."""
+    corners = mesh.points[mesh.triangles, :2].reshape(-1, 2)
+    label = np.repeat(piece, 3)
+    number = np.bincount(label, minlength=count)
+    centre = np.stack([np.bincount(label, corners[:, k], count) / number for k in range(2)], axis=1)
+    distance = np.abs(corners - centre[label]).max(axis=1)
+    size = np.zeros(count)
+    np.maximum.at(size, label, distance)
+    return centre, size
+
+
+def _rigid_at_vertices(layout: Layout, vertices: Ints, centre: Floats, size: Floats) -> Floats:
+    """(n, per_vertex, 3) scaled degrees of freedom of w = 1, (x - x0) / L, (y - y0) / L at vertices."""
+    out = np.zeros((len(vertices), layout.per_vertex, 3))
+    out[:, 0, 0] = 1.0
+    out[:, 0, 1:] = (layout.mesh.points[vertices, :2] - centre) / size[:, None]
+    if layout.per_vertex > 1:
+        out[:, 1, 1] = out[:, 2, 2] = layout.vertex_sizes[vertices] / size
+    return out
+
+
+def _rigid_of_triangles(domain: Domain, layout: Layout, triangles: Ints, centre: Floats, size: Floats) -> Floats:
+    """(n, local, 3) physical degrees of freedom of the three rigid motions in triangles."""
+    b = layout.per_vertex
+    affine = domain.affine(triangles)
+    out = np.zeros((len(triangles), layout.element.count, 3))
+    for v in range(3):
+        out[:, b * v, 0] = 1.0
+        out[:, b * v, 1:] = (affine.corners[:, v] - centre) / size[:, None]
+        if b > 1:
+            out[:, b * v + 1, 1] = out[:, b * v + 2, 2] = 1.0 / size
+    out[:, 3 * b :, 1:] = affine.normals / size[:, None, None]
+    return out
+
+
+def _words(free: Floats, centre: Floats, size: float, pieces: int, mesh: Mesh, inside: NDArray[np.bool_]) -> str:
+    where = ""
+    if pieces > 1:
+        spot = mesh.points[mesh.triangles[inside]].mean(axis=(0, 1))[:2]
+        where = f" (the piece of {int(inside.sum())} triangles around {place(spot)}, one of {pieces} pieces)"
+    if free.shape[1] == 3:
+        return (
+            f"the plate{where} is not held: it can move along z and tilt freely; add supports, for example "
+            'clamped or simply_supported on a curve group, or z on three points'
+        )
+    if free.shape[1] == 2:
+        # all remaining motions vanish at one point, or all are tilts (w prescribed nowhere)
+        offset, slopes = free[0], free[1:] / size
+        if np.abs(offset).max() < 1e-6:
+            point = centre
+        else:
+            point = centre + np.linalg.lstsq(slopes.T, -offset, rcond=None)[0]
+        if np.abs(slopes.T @ (point - centre) + offset).max() < 1e-6 * np.abs(free).max():
+            return (
+                f"the plate{where} is held at a single point: it can tilt in any direction about {place(point)}; "
+                "add supports that hold it at two more points, or along a line"
+            )
+    c0, slope = free[0, 0], free[1:, 0] / size
+    steep = np.linalg.norm(slope)
+    if steep * size < 1e-6 * abs(c0):
+        return (
+            f"the plate{where} can move along z: its supports hold rotations only; hold the deflection somewhere "
+            '(clamped, simply_supported, or fix = "z")'
+        )
+    point = centre - c0 * slope / steep**2
+    axis = np.array([-slope[1], slope[0]]) / steep
+    return (
+        f"the plate{where} is a mechanism: it can turn about the line through {place(point)} along "
+        f"({axis[0]:.3g}, {axis[1]:.3g}); hold its deflection off that line, or clamp the edge on it"
+    )

@@ -1,0 +1,42 @@
+"""What the solvers are told about the plate's finite element space."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kshell.plate.domain import Domain
+from kshell.plate.layout import Layout
+from kshell.plate.reduction import DEPENDENT, Conditions, Reduction
+from kshell.solve import PlateSpace
+
+
+def plate_space(domain: Domain, layout: Layout, conditions: Conditions, reduction: Reduction) -> PlateSpace:
+    """Positions, numbering and, per vertex, the directions of (w, w_x, w_y) that the supports admit."""
+    mesh = domain.mesh
+    n = len(mesh.points)
+    gram = np.zeros((n, 3, 3))
+    for vertices, rows in zip(conditions.vertices, conditions.rows, strict=True):
+        # rows on second derivatives leave (w, w_x, w_y) free
+        here = np.abs(rows[:, 3:]).max(axis=1, initial=0.0) == 0.0
+        row = np.zeros((int(here.sum()), 3))
+        row[:, : min(3, rows.shape[1])] = rows[here, :3]
+        np.add.at(gram, vertices[here], row[:, :, None] * row[:, None, :])
+    for vertices, slopes in zip(conditions.slope_vertices, conditions.slopes, strict=True):
+        row = np.concatenate([np.zeros((len(vertices), 1)), slopes], axis=1)
+        np.add.at(gram, vertices, row[:, :, None] * row[:, None, :])
+    value, basis = np.tile(np.zeros(3), (n, 1)), np.tile(np.eye(3), (n, 1, 1))
+    held = np.flatnonzero(np.abs(gram).max(axis=(1, 2)) > 0)
+    value[held], basis[held] = np.linalg.eigh(gram[held])
+    vector = domain.points[mesh.edges[:, 1]] - domain.points[mesh.edges[:, 0]]
+    tangent = vector / mesh.edge_lengths[:, None]
+    return PlateSpace(
+        element="argyris" if layout.per_vertex > 1 else "morley",
+        points=domain.points,
+        triangles=mesh.triangles,
+        edges=mesh.edges,
+        edge_normals=np.stack([tangent[:, 1], -tangent[:, 0]], axis=1),
+        lengths=mesh.edge_lengths,
+        reduction=reduction.matrix(),
+        vertex_basis=basis,
+        vertex_mask=value < DEPENDENT,
+    )

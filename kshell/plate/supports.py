@@ -1,0 +1,340 @@
+"""Supports of a plate: from names to conditions on degrees of freedom, and springs.
+
+Along an edge with unit tangent t, curvature vector k and normal n, holding w means at each vertex
+
+    w = g,   t.grad w = g',   t.(hess w) t + k.grad w = g''          (derivatives of g by arc length)
+
+and holding the rotation about the edge means n.grad w = 0 and its derivative along the edge, with n
+turning with the edge, as well as w_n = 0 at the true midpoint. Together with the C1 quintics of the
+Argyris element this makes w and w_n vanish along the whole edge, exactly on straight edges and to the
+order of the element on curved ones. The Morley element holds its vertex and midpoint values.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import matrices
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.select import Selection, select
+from kshell.mesh.words import place
+from kshell.plate.curves import EdgeCurves, edge_curves
+from kshell.plate.domain import Domain
+from kshell.plate.forms import AreaSpring, EdgeSpring, Form, PointSpring
+from kshell.plate.layout import Layout
+from kshell.plate.reduction import Conditions
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SAMPLES = np.linspace(0.0, 1.0, 6)  # where prescribed values are read along an edge: a quintic
+SYMMETRY_STRAIGHT = 1e-6
+NONE = np.zeros(0, dtype=np.int64)
+
+
+@dataclass
+class HeldGroup:
+    """What one support holds, for reactions.
+
+    Attributes
+    ----------
+    label : str
+    vertices : (n,) int array
+    edges : (n,) int array
+        Edges whose slope is held.
+    line : (n,) int array
+        Edges along which the deflection is held.
+    """
+
+    label: str
+    vertices: Ints
+    edges: Ints
+    line: Ints
+
+
+@dataclass
+class Supports:
+    """All supports of a scene on one element.
+
+    Attributes
+    ----------
+    conditions : Conditions
+    springs : list of (label, Form)
+    held : list of HeldGroup
+    warnings : list of str
+    """
+
+    conditions: Conditions = field(default_factory=Conditions)
+    springs: list[tuple[str, Form]] = field(default_factory=list)
+    held: list[HeldGroup] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+def apply_supports(supports: list[Any], domain: Domain, layout: Layout) -> Supports:
+    """Translate the supports of a scene.
+
+    Raises
+    ------
+    InputError
+        For groups that do not exist or do not fit the kind of support.
+    """
+    builder = _Builder(domain, layout)
+    for support in supports:
+        names = support.on if isinstance(support.on, tuple) and isinstance(support.on[0], str) else (support.on,)
+        for on in names:
+            builder.add(support, on)
+    return builder.out
+
+
+def points_3d(domain: Domain, xy: Floats) -> Floats:
+    """Points (..., 2) of the plane of the mesh as (..., 3), for functions of the place."""
+    z = np.broadcast_to(domain.mesh.points[0, 2], (*xy.shape[:-1], 1))
+    return np.concatenate([xy, z], axis=-1)
+
+
+class _Builder:
+    def __init__(self, domain: Domain, layout: Layout) -> None:
+        self.domain, self.layout = domain, layout
+        self.mesh: Mesh = domain.mesh
+        self.rich = layout.per_vertex == 6  # gradients and Hessians at vertices
+        self.out = Supports()
+
+    def add(self, support: Any, on: Any) -> None:
+        what = f"support {support.kind}"
+        dimensions = (1,) if support.kind == "symmetry" else (0, 1, 2)
+        selection = select(self.mesh, on, dimensions=dimensions, what=what)
+        if selection.warning:
+            self.out.warnings.append(selection.warning)
+        if support.kind == "free":
+            return
+        if support.kind == "elastic":
+            self._springs(support, selection, what)
+            return
+        holds_w, holds_r = "z" in support.freedoms, "r" in support.freedoms
+        if not (holds_w or holds_r):
+            return  # in-plane freedoms do not concern a plate in bending
+        if selection.dimension == 0:
+            self._points(support, selection, holds_w, holds_r, what)
+        elif selection.dimension == 1:
+            self._edges(support, selection, holds_w, holds_r, what)
+        else:
+            self._surface(support, selection, holds_w, holds_r, what)
+
+    def _value(self, support: Any, xy: Floats) -> Floats:
+        return support.translation_at(points_3d(self.domain, xy))[..., 2]
+
+    def _row(self, entries: dict[int, Floats | float], count: int) -> Floats:
+        rows = np.zeros((count, self.layout.per_vertex))
+        for dof, value in entries.items():
+            rows[:, dof] = value
+        return rows
+
+    def _points(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
+        vertices = selection.members.astype(np.int64)
+        conditions = self.out.conditions
+        if holds_r and not self.rich:
+            raise InputError(
+                f"{what} on '{selection.label}': the Morley element has no rotation at a point; hold the "
+                'deflection there (simply_supported), clamp a short edge, or use element = "argyris"'
+            )
+        if holds_w:
+            value = self._value(support, self.domain.points[vertices])
+            conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
+        if holds_r:
+            for dof, axis in zip((1, 2), np.eye(2), strict=True):
+                conditions.at_vertices(vertices, self._row({dof: 1.0}, len(vertices)))
+                conditions.slope_vertices.append(vertices)
+                conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
+        self.out.held.append(HeldGroup(selection.label, vertices, NONE, NONE))
+
+    def _surface(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
+        if not holds_w:
+            raise InputError(f"{what} on '{selection.label}': on a surface hold the deflection too (freedom z)")
+        vertices = np.unique(self.mesh.triangles[selection.members]).astype(np.int64)
+        value = self._value(support, self.domain.points[vertices])
+        if np.ptp(value) > 1e-12 * np.abs(value).max():
+            raise InputError(
+                f"{what} on '{selection.label}': on a surface the prescribed deflection must be constant; "
+                "prescribe a varying one along curves"
+            )
+        self.out.conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
+        for dof in range(1, self.layout.per_vertex):
+            self.out.conditions.at_vertices(vertices, self._row({dof: 1.0}, len(vertices)))
+        for axis in np.eye(2):
+            self.out.conditions.slope_vertices.append(vertices)
+            self.out.conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
+        edges = np.unique(self.mesh.triangle_edges[selection.members]).astype(np.int64)
+        self.out.conditions.edges.append(edges)
+        self.out.held.append(HeldGroup(selection.label, vertices, edges, NONE))
+
+    def _curves_of(self, edges: Ints) -> EdgeCurves:
+        """Shape of a line of supports: the plate's own edge where it is one, a line inside elsewhere."""
+        boundary = self.domain.boundary
+        inside = np.setdiff1d(edges, boundary.edges)
+        if not len(inside):
+            return boundary
+        own = edge_curves(self.mesh, inside.astype(np.int32))
+        order = np.argsort(np.concatenate([boundary.edges, own.edges]))
+        joined = [
+            np.concatenate([getattr(boundary, name), getattr(own, name)])[order]
+            for name in ("edges", "tangent", "curvature", "shape")
+        ]
+        worse = own if own.sharpest > boundary.sharpest else boundary
+        return EdgeCurves(*joined, worse.sharpest, worse.sharpest_at)
+
+    def _edges(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
+        edges = selection.members.astype(np.int64)
+        ends = self.mesh.edges[edges]  # (edge, 2)
+        vertices = np.unique(ends).astype(np.int64)
+        curves = self._curves_of(edges)
+        if support.kind == "symmetry":
+            self._require_straight(edges, selection.label)
+        if holds_w and not self.rich:
+            value = self._value(support, self.domain.points[vertices])
+            self.out.conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
+        place_in = curves.place(edges)
+        for end in range(2):
+            t = curves.tangent[place_in, end]
+            directions = [t] * holds_w + [np.stack([t[:, 1], -t[:, 0]], axis=1)] * holds_r
+            for direction in directions:
+                self.out.conditions.slope_vertices.append(ends[:, end].astype(np.int64))
+                self.out.conditions.slopes.append(direction)
+        if self.rich:
+            values = self._edge_values(support, edges) if holds_w else np.zeros((len(edges), 2, 3))
+            for end in range(2):
+                t = curves.tangent[place_in, end]
+                k = curves.curvature[place_in, end]
+                self._edge_end(ends[:, end], t, k, values[:, end], holds_w, holds_r)
+        if holds_r:
+            self._edge_slopes(edges, curves)
+        held_vertices = vertices if holds_w or self.rich else NONE
+        group = HeldGroup(selection.label, held_vertices, edges if holds_r else NONE, edges if holds_w else NONE)
+        self.out.held.append(group)
+
+    def _edge_end(
+        self, vertices: NDArray[np.integer], t: Floats, k: Floats, g: Floats, holds_w: bool, holds_r: bool
+    ) -> None:
+        """Rows at one end of each edge; g (n, 3) is the prescribed w and its derivatives by arc length."""
+        h = self.layout.vertex_sizes[vertices]
+        n = len(vertices)
+        tx, ty, conditions = t[:, 0], t[:, 1], self.out.conditions
+        kx, ky = k[:, 0] * h, k[:, 1] * h
+        if holds_w:
+            conditions.at_vertices(vertices, self._row({0: 1.0}, n), g[:, 0])
+            conditions.at_vertices(vertices, self._row({1: tx, 2: ty}, n), g[:, 1] * h)
+            second = self._row({1: kx, 2: ky, 3: tx * tx, 4: 2 * tx * ty, 5: ty * ty}, n)
+            conditions.at_vertices(vertices, second, g[:, 2] * h**2)
+        if holds_r:
+            nx, ny = ty, -tx
+            conditions.at_vertices(vertices, self._row({1: nx, 2: ny}, n))
+            # n = t turned by -90 degrees, so dn/ds = k turned by -90 degrees
+            turned = {1: ky, 2: -kx, 3: tx * nx, 4: tx * ny + ty * nx, 5: ty * ny}
+            conditions.at_vertices(vertices, self._row(turned, n))
+
+    def _edge_values(self, support: Any, edges: Ints) -> Floats:
+        """Prescribed w and its first and second derivative by arc length at both ends: (edge, end, 3)."""
+        out = np.zeros((len(edges), 2, 3))
+        if support.value is None:
+            return out
+        patch = self.domain.edge_points(edges, SAMPLES, np.ones(len(SAMPLES)))
+        g = self._value(support, patch.xy)
+        vandermonde = np.vander(SAMPLES, increasing=True)
+        c = np.linalg.solve(vandermonde, g.T)  # (power, edge)
+        c[1:][np.abs(c[1:]) < 1e-10 * np.abs(g).max()] = 0.0
+        x = np.linalg.solve(vandermonde, patch.xy.transpose(1, 0, 2).reshape(6, -1)).reshape(6, -1, 2)
+        power = np.arange(6)
+        for end, s in enumerate((0.0, 1.0)):
+            at = [s**power, power * s ** np.maximum(power - 1, 0), power * (power - 1) * s ** np.maximum(power - 2, 0)]
+            value, first, second = (weights @ c for weights in at)
+            velocity, acceleration = (np.einsum("k,kex->ex", weights, x) for weights in at[1:])
+            speed = np.hypot(velocity[:, 0], velocity[:, 1])
+            slowing = (velocity * acceleration).sum(1) / speed
+            by_arc = first / speed
+            out[:, end] = np.stack([value, by_arc, (second - by_arc * slowing) / speed**2], axis=1)
+        return out
+
+    def _edge_slopes(self, edges: Ints, curves: EdgeCurves) -> None:
+        """w_n = 0 at midpoints: the edge's own degree of freedom, or the true midpoint of a curved edge."""
+        conditions = self.out.conditions
+        bent = np.zeros(len(edges), dtype=bool)
+        if self.rich:
+            on_boundary = np.isin(edges, self.domain.boundary.edges)
+            bent = on_boundary & curves.curved[curves.place(edges)]
+        conditions.edges.append(edges[~bent])
+        if bent.any():
+            patch = self.domain.edge_points(edges[bent], np.array([0.5]), np.ones(1))
+            affine = self.domain.affine(patch.triangles)
+            element = self.layout.element
+            gradient = matrices.rows(element, affine, patch.xi, 1, element.transformation(affine))
+            rows = (patch.normal[:, :, None, :] @ gradient)[:, 0, 0]
+            conditions.triangle_edges.append(edges[bent])
+            conditions.triangles.append(patch.triangles)
+            conditions.triangle_rows.append(rows)
+
+    def _require_straight(self, edges: Ints, label: str) -> None:
+        ends = self.domain.points[self.mesh.edges[edges]]
+        vertices = ends.reshape(-1, 2)
+        centre = vertices.mean(axis=0)
+        _, size, axes = np.linalg.svd(vertices - centre, full_matrices=False)
+        off = np.abs((vertices - centre) @ axes[1])
+        if off.max() > SYMMETRY_STRAIGHT * max(size[0], 1e-300):
+            worst = vertices[int(off.argmax())]
+            raise InputError(
+                f"support symmetry on '{label}': the group is not straight ({place(worst)} lies {off.max():.3g} "
+                "off its line), and only a straight edge can be a line of symmetry; split the group, or hold "
+                'the rotation alone with fix = "r"'
+            )
+
+    def _springs(self, support: Any, selection: Selection, what: str) -> None:
+        unsuitable = set(support.freedoms) - {"z", "r"}
+        if unsuitable == set(support.freedoms):
+            return
+        members = selection.members.astype(np.int64)
+        element = self.layout.element
+
+        def stiffness(xy: Floats) -> Floats:
+            return support.stiffness_at(points_3d(self.domain, xy))
+
+        label = selection.label
+        if selection.dimension == 2:
+            if "r" in support.freedoms:
+                raise InputError(f"{what} on '{label}': a rotation spring needs a curve or a point, not a surface")
+            self.out.springs.append((label, AreaSpring(self.domain, element, members, stiffness)))
+        elif selection.dimension == 1:
+            for freedom in support.freedoms:
+                if freedom in "zr":
+                    form = EdgeSpring(self.domain, element, members, stiffness, freedom == "r")
+                    self.out.springs.append((label, form))
+        else:
+            self._point_springs(support, selection, stiffness, what)
+
+    def _point_springs(self, support: Any, selection: Selection, stiffness: Any, what: str) -> None:
+        vertices = selection.members.astype(np.int64)
+        k = stiffness(self.domain.points[vertices])
+        dofs = [0] if "z" in support.freedoms else []
+        if "r" in support.freedoms:
+            if not self.rich:
+                raise InputError(
+                    f"{what} on '{selection.label}': the Morley element has no rotation at a point; use "
+                    'element = "argyris"'
+                )
+            dofs += [1, 2]
+        triangles, corner = first_triangles(self.mesh, vertices)
+        for dof in dofs:
+            rows = np.zeros((len(vertices), self.layout.element.count))
+            rows[np.arange(len(vertices)), corner * self.layout.per_vertex + dof] = 1.0
+            form = PointSpring(self.layout.element, self.domain, triangles, rows, k)
+            self.out.springs.append((selection.label, form))
+
+
+def first_triangles(mesh: Mesh, vertices: Ints) -> tuple[Ints, Ints]:
+    """One triangle at each vertex, and the vertex's place in it."""
+    flat = mesh.triangles.ravel()
+    first = np.full(len(mesh.points), -1, dtype=np.int64)
+    first[flat[::-1]] = np.arange(len(flat))[::-1]
+    return first[vertices] // 3, first[vertices] % 3

@@ -1,0 +1,69 @@
+"""Writing a result: all of its files or none, so that an earlier result is never damaged."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kshell.errors import InputError
+from kshell.plot import PICTURES, save_picture
+from kshell.vtu import write_vtu
+
+if TYPE_CHECKING:
+    from kshell.result import Result
+
+
+def save(result: Result, folder: str | os.PathLike[str], plots: bool = False) -> list[str]:
+    """See `Result.save`."""
+    text = as_json(result)  # a NaN is found before anything is touched
+    writers: dict[str, Callable[[Path], object]] = {
+        "result.json": lambda path: path.write_text(text, encoding="utf-8"),
+        "result.vtu": lambda path: write_vtu(path, result),
+    }
+    if plots:
+        for what in PICTURES:
+            writers[f"{what}.png"] = lambda path, what=what: save_picture(result, what, path)  # type: ignore[misc]
+    return write_together(Path(folder), writers)
+
+
+def as_json(result: Result) -> str:
+    """The text of result.json."""
+    return json.dumps(result.to_dict(), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> list[str]:
+    """Write several files into a folder, all or none.
+
+    Each is written into a new folder beside its place first; only when all are complete they are moved.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if needed.
+    writers : dict of file name to function of the path to write
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written; says which and why.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in writers:
+            if (folder / name).is_dir():
+                raise InputError(f"{folder / name}: is a folder: remove it or give another output folder")
+        with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as unfinished:
+            for name, write in writers.items():
+                write(Path(unfinished) / name)
+            for name in writers:
+                os.replace(Path(unfinished) / name, folder / name)
+    except OSError as error:
+        raise InputError(
+            f"{error.filename or folder}: cannot be written ({error.strerror or error}): "
+            "give another output folder; earlier results are untouched"
+        ) from None
+    return [str(folder / name) for name in writers]

@@ -1,0 +1,202 @@
+"""What a user describes: a mesh, its material and thickness, supports, loads and probes.
+
+Pure data, checked when it is made; it knows nothing of elements. Scenes are written in Python or as
+TOML files (`kshell.scenefile`).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator
+
+from kshell.errors import InputError
+from kshell.laminate import Layer
+from kshell.loads import Load
+from kshell.mesh.mesh import Mesh
+from kshell.options import SolveOptions
+from kshell.places import Point, as_point, as_scalar
+from kshell.supports import Support
+from kshell.validation import Number, described
+
+
+def _thickness(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        if not value:
+            raise ValueError("must name at least one surface group")
+        return {str(name): _as_thickness(part, f'for "{name}" ') for name, part in value.items()}
+    return None if value is None else _as_thickness(value, "")
+
+
+def _as_thickness(value: Any, whose: str) -> Any:
+    wanted = "must be a number > 0, an expression in x, y, z, or a function f(x, y, z)"
+    if isinstance(value, str) or callable(value):
+        return as_scalar(value)
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        raise ValueError(f"{whose}{wanted}")
+    if not (np.isfinite(value) and value > 0):
+        raise ValueError(f"{whose}must be a finite number > 0")
+    return float(value)
+
+
+def _mesh(value: Any) -> Any:
+    if value is None or isinstance(value, int | float) or value == "":
+        raise ValueError("must be the path of a mesh file, or a mesh of kshell, scikit-fem or meshio")
+    return Path(value) if isinstance(value, str | os.PathLike) else value
+
+
+def _probes(value: Any) -> Any:
+    if not isinstance(value, Mapping):
+        raise ValueError("must be a dict of name to point (x, y, z)")
+    points = {}
+    for name, point in value.items():
+        try:
+            points[str(name)] = as_point(point)
+        except ValueError as error:
+            raise ValueError(f'"{name}" = {point!r} {error}') from None
+    return points
+
+
+@described("scene")
+class Scene:
+    """A plate with everything that holds and loads it.
+
+    Attributes
+    ----------
+    mesh : path, kshell.Mesh, skfem.MeshTri or meshio.Mesh
+        .msh 2.2 / 4.1 of order 1 or 2, .geo .step .brep (meshed by gmsh), or what meshio reads.
+    thickness : number, expression in x, y, z, callable f(x, y, z), or dict of surface group to one of these
+        Not together with `layers`.
+    material : Isotropic, Orthotropic or Anisotropic
+        Not together with `layers`.
+    layers : sequence of Layer
+        Bottom to top.
+    supports : sequence of Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic
+    loads : sequence of Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment,
+        Temperature, InitialCurvature
+    probes : dict of str to (x, y, z)
+        Named points whose values are reported.
+    mesh_size : float, optional
+        Triangle size, only for geometry files.
+    mesh_order : 1 or 2, optional
+        Order of the triangles, only for geometry files.
+    title : str
+    solve : SolveOptions or dict
+        The defaults for `kshell.solve(scene)`.
+
+    Raises
+    ------
+    InputError
+        Naming the key, its value and how to mend it.
+    """
+
+    mesh: Annotated[Any, BeforeValidator(_mesh)]
+    thickness: Annotated[Any, BeforeValidator(_thickness)] = None
+    material: Any = None
+    supports: Any = ()
+    loads: Any = ()
+    probes: Annotated[dict[str, Point], BeforeValidator(_probes)] = field(default_factory=dict)
+    layers: Any = None
+    mesh_size: Number | None = None
+    mesh_order: Literal[1, 2] | None = None
+    title: str = ""
+    solve: Any = field(default_factory=SolveOptions)
+
+    def __post_init__(self) -> None:
+        for key, cls, words in (
+            ("supports", Support, "a support such as ks.Clamped(...)"),
+            ("loads", Load, "a load such as ks.Pressure(...)"),
+        ):
+            object.__setattr__(self, key, _all_of(getattr(self, key), cls, key, words))
+        if self.layers is not None:
+            object.__setattr__(self, "layers", _all_of(self.layers, Layer, "layers", "a ks.Layer(...)"))
+        if isinstance(self.solve, Mapping):
+            object.__setattr__(self, "solve", SolveOptions(**self.solve))
+        if not isinstance(self.solve, SolveOptions):
+            raise InputError(f"scene: solve = {self.solve!r}: must be a dict of the keys of [solve]")
+        self._require_one_section()
+        if self.mesh_size is not None and not self.mesh_size > 0:
+            raise InputError(f"scene: mesh_size = {self.mesh_size:g} must be > 0")
+
+    def _require_one_section(self) -> None:
+        if self.layers is not None:
+            given = [key for key in ("thickness", "material") if getattr(self, key) is not None]
+            if given:
+                raise InputError(
+                    f"scene: layers and {' and '.join(given)} given: layers have their own, leave them out"
+                )
+            if not self.layers:
+                raise InputError("scene: layers is empty: give at least one layer")
+            return
+        if self.thickness is None:
+            raise InputError("scene: thickness is missing: give the thickness of the plate, or layers")
+        if self.material is None:
+            raise InputError("scene: material is missing: give one, e.g. ks.Isotropic(E=210e9, nu=0.3)")
+        if not hasattr(self.material, "plane_stress"):
+            raise InputError(
+                f"scene: material = {self.material!r}: must be ks.Isotropic(...), ks.Orthotropic(...) "
+                "or ks.Anisotropic(...)"
+            )
+
+    @property
+    def density_missing(self) -> bool:
+        """Whether some material has no density, so gravity would do nothing there."""
+        materials = [self.material] if self.layers is None else [layer.material for layer in self.layers]
+        return any(material.density == 0.0 for material in materials)
+
+    def read_mesh(self) -> Mesh:
+        """The mesh of the scene, read and checked.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read or used.
+        """
+        from kshell.mesh import read_mesh
+
+        return read_mesh(self.mesh, mesh_size=self.mesh_size, mesh_order=self.mesh_order)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:
+        """The scene in a TOML file; relative paths in it are relative to the file.
+
+        Parameters
+        ----------
+        path : path
+        overrides : sequence of "key=value"
+            Replace values of the file before it is checked; keys are dotted, lists count from 0:
+            "material.E=70e9", "load.0.value=2000".
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or something in it is wrong: names file, key, value and mend.
+        """
+        from kshell.scenefile import load_scene
+
+        return load_scene(Path(path), overrides)
+
+    @classmethod
+    def from_dict(
+        cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".", source: str = "scene"
+    ) -> Scene:
+        """The scene in a dict with the keys of a scene file; paths are relative to `folder`."""
+        from kshell.scenefile import scene_from_dict
+
+        return scene_from_dict(data, Path(folder), source)
+
+
+def _all_of(items: Any, cls: type, key: str, words: str) -> tuple[Any, ...]:
+    if isinstance(items, cls):
+        items = (items,)
+    if not isinstance(items, Sequence) or isinstance(items, str):
+        raise InputError(f"scene: {key} = {items!r}: must be a list of {key}")
+    for number, item in enumerate(items):
+        if not isinstance(item, cls):
+            raise InputError(f"scene: {key}[{number}] = {item!r}: must be {words}")
+    return tuple(items)
