@@ -19,35 +19,18 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial.legendre import Legendre, leggauss
+from numpy.polynomial.legendre import Legendre
 from numpy.typing import NDArray
+
+from kshell.elements.quadrature import interval_rule, triangle_rule
+from kshell.elements.reference import VERTICES, DualBasis, monomials
 
 Floats = NDArray[np.float64]
 
-VERTICES = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 # walked counterclockwise; numbered as the edges of kshell.mesh.Mesh
 EDGES = ((0, 1), (1, 2), (2, 0))
 # a symmetric tensor is the list of its components 11, 22, 12; contractions count the last one twice
 TWICE = np.array([1.0, 1.0, 2.0])
-
-
-def exponents(degree: int) -> list[tuple[int, int]]:
-    """Powers (i, j) of the monomials x^i y^j up to a degree."""
-    return [(s - j, j) for s in range(degree + 1) for j in range(s + 1)]
-
-
-def monomials(degree: int, points: Floats, dx: int = 0, dy: int = 0) -> Floats:
-    """Monomials, or their derivatives, at points (point, 2). Returns (point, monomial)."""
-    x, y = points[:, 0], points[:, 1]
-
-    def power(z: Floats, n: int, derivative: int) -> Floats:
-        for k in range(derivative):
-            if n - k <= 0:
-                return np.zeros_like(z)
-        factor = float(np.prod([n - k for k in range(derivative)]))
-        return factor * z ** (n - derivative)
-
-    return np.stack([power(x, i, dx) * power(y, j, dy) for i, j in exponents(degree)], axis=1)
 
 
 def lattice(degree: int) -> Floats:
@@ -61,28 +44,25 @@ def lattice(degree: int) -> Floats:
     return np.array(nodes)
 
 
-def lagrange(degree: int, points: Floats, dx: int = 0, dy: int = 0) -> Floats:
-    """Lagrange polynomials on the lattice, or their derivatives. Returns (point, node)."""
-    return monomials(degree, points, dx, dy) @ np.linalg.inv(monomials(degree, lattice(degree)))
+@lru_cache(maxsize=8)
+def _lagrange(degree: int) -> DualBasis:
+    return DualBasis(degree, monomials(degree, lattice(degree)))
+
+
+def lagrange(degree: int, points: Floats) -> Floats:
+    """Lagrange polynomials on the lattice: (point, node)."""
+    return _lagrange(degree).tabulate(points)[..., 0, :]
 
 
 def first_derivatives(degree: int, points: Floats) -> Floats:
     """(2, point, node): along the two reference coordinates."""
-    return np.stack([lagrange(degree, points, 1, 0), lagrange(degree, points, 0, 1)])
+    return np.ascontiguousarray(np.moveaxis(_lagrange(degree).tabulate(points, 1), -2, 0))
 
 
 def second_derivatives(degree: int, points: Floats) -> Floats:
     """(3, point, node): 11, 22, 12."""
-    return np.stack([lagrange(degree, points, a, b) for a, b in ((2, 0), (0, 2), (1, 1))])
-
-
-def triangle_quadrature(degree: int) -> tuple[Floats, Floats]:
-    """Points (q, 2) and weights (q,) on the reference triangle (its area is 1/2)."""
-    from skfem.quadrature import get_quadrature
-    from skfem.refdom import RefTri
-
-    points, weights = get_quadrature(RefTri, degree)
-    return np.ascontiguousarray(points.T), weights.copy()
+    table = _lagrange(degree).tabulate(points, 2)
+    return np.ascontiguousarray(np.moveaxis(table, -2, 0)[[0, 2, 1]])
 
 
 def edge_quadrature(count: int) -> tuple[Floats, Floats, Floats]:
@@ -90,8 +70,7 @@ def edge_quadrature(count: int) -> tuple[Floats, Floats, Floats]:
 
     Returns points (3 count, 2), weights (3 count,) that add up to 1 on each edge, and tangents (3 count, 2).
     """
-    x, w = leggauss(count)
-    x, w = (x + 1) / 2, w / 2
+    x, w = interval_rule(count)
     tangents = np.array([VERTICES[b] - VERTICES[a] for a, b in EDGES])
     starts = np.array([VERTICES[a] for a, _ in EDGES])
     points = starts[:, None] + x[None, :, None] * tangents[:, None]
@@ -160,11 +139,11 @@ def regge_interpolation(degree: int) -> tuple[Floats, Floats]:
     edge_points, weights, tangents = edge_quadrature(on_edge)
     points = edge_points
     if degree > 0:
-        inner, inner_weights = triangle_quadrature(3 * degree - 1)
+        inner, inner_weights = triangle_rule(3 * degree - 1)
         points = np.concatenate([edge_points, inner])
 
     functionals = []
-    along = leggauss(on_edge)[0]
+    along = 2 * interval_rule(on_edge)[0] - 1
     for edge in range(3):
         here = slice(edge * on_edge, (edge + 1) * on_edge)
         t = tangents[edge * on_edge]
@@ -191,7 +170,7 @@ def regge_interpolation(degree: int) -> tuple[Floats, Floats]:
 @lru_cache(maxsize=3)
 def reference_triangle(order: int) -> ReferenceTriangle:
     """The tables of order 1, 2 or 3."""
-    points, weights = triangle_quadrature(2 * order)
+    points, weights = triangle_rule(2 * order)
     edge_points, edge_weights, tangents = edge_quadrature(order)
     normal = np.stack([tangents[:, 1], -tangents[:, 0]])
     regge_points, regge_weights = regge_interpolation(order - 1)

@@ -16,7 +16,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
-from kshell.shell.reference import EDGES, ReferenceTriangle, lattice, reference_triangle
+from kshell.elements.reference import VERTICES
+from kshell.shell.reference import (
+    EDGES,
+    ReferenceTriangle,
+    first_derivatives,
+    lagrange,
+    lattice,
+    reference_triangle,
+)
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
@@ -123,8 +131,6 @@ class Surface:
         known = mesh.points[mesh.triangles]  # (triangle, node of the mesh, 3)
         if mesh.midpoints is not None:
             known = np.concatenate([known, mesh.midpoints[mesh.triangle_edges]], axis=1)
-        from kshell.shell.reference import lagrange
-
         shape = lagrange(mesh.order, lattice(p))
         nodes = np.empty((self.node_count, 3))
         nodes[self.triangle_nodes] = np.einsum("nk,tkx->tnx", shape, known)
@@ -187,8 +193,6 @@ class Surface:
     @cached_property
     def corner_tables(self) -> Floats:
         """(2, 3, n) derivatives of the Lagrange polynomials at the corners."""
-        from kshell.shell.reference import VERTICES, first_derivatives
-
         return first_derivatives(self.order, VERTICES)
 
     @cached_property
