@@ -11,9 +11,10 @@ Schoeberl, arXiv:1904.04714, 1907.06232, 2304.13806) it becomes a sum over trian
     c = Regge interpolant of E,
     l = -sum_q w_q tau : (b - B) / J + sum_g w_g tau(nu, nu) (theta - Theta + alpha) / |X'|,
 
-so that the energy is a quadratic function of few strains per triangle. `Koiter.strain` is these two
-lines; everything else is their first and second derivatives. The angle theta between the normals and the director of the edge makes
-curvature of a surface whose normal jumps across edges; a fold keeps its angle, and any number of sheets meet.
+so that the energy is a quadratic function of few strains per triangle (energy.py). `Koiter._state` is these
+two lines, `_gradient` and `_geometric` are their derivatives. The angle theta from the normal to the director
+of the edge gives the curvature of a surface whose normal jumps across edges; a fold keeps its angle, and any
+number of sheets may meet at an edge.
 
 Symbols
 -------
@@ -30,31 +31,22 @@ nu                outward normal of an edge of the reference triangle
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.shell import kinematics
 from kshell.shell.constitutive import triangle_stiffness
 from kshell.shell.edges import Directors, rest_directors
+from kshell.shell.energy import StrainEnergy, in_blocks
 from kshell.shell.section import Section
 from kshell.shell.sparsity import Sparsity
 from kshell.shell.strain_tables import strain_tables
 from kshell.shell.surface import Surface
 
 Floats = NDArray[np.float64]
-
-
-class Energy(NamedTuple):
-    """Energy of a state, with as many derivatives as were asked for."""
-
-    value: float
-    gradient: Floats | None = None  # (unknowns,)
-    hessian: sp.csr_matrix | None = None
 
 
 class State(NamedTuple):
@@ -66,7 +58,7 @@ class State(NamedTuple):
     strain: Floats  # (triangle, 2 r)
 
 
-class Koiter:
+class Koiter(StrainEnergy):
     """The energy of a surface with a section.
 
     Parameters
@@ -86,7 +78,9 @@ class Koiter:
         self.section = section
         self.tables = strain_tables(surface.order)
         count = len(surface.mesh.triangles)
-        self.blocks = [slice(i, min(i + block, count)) for i in range(0, count, block)]
+        self.blocks = in_blocks(count, block)
+        self.unknowns = surface.unknowns
+        self.triangle_unknowns = surface.triangle_unknowns
         strains = surface.reference.strains
         self.stiffness = np.empty((count, 2 * strains, 2 * strains))  # K
         for triangles in self.blocks:
@@ -94,19 +88,17 @@ class Koiter:
         self.initial = np.zeros((count, 2 * strains)) if initial is None else initial
         self.rest = rest_directors(surface)
 
-    # ------------------------------------------------------------------ strains of a block of triangles
-
     def _nodes(self, field: Floats, triangles: slice) -> Floats:
         """Nodal vectors (3, triangle, n), relative to the first node: only differences matter."""
         local = field[self.surface.triangle_nodes[triangles]]
         return np.ascontiguousarray(np.moveaxis(local - local[:, :1], 2, 0))
 
-    def _state(self, x: Floats, directors: Directors, triangles: slice) -> State:
+    def _state(self, x: Floats, memory: Directors, triangles: slice) -> State:
         surface, reference, tables = self.surface, self.surface.reference, self.tables
         u, _ = surface.split(x)
         big, small = self._nodes(surface.nodes, triangles), self._nodes(u, triangles)
 
-        stretch = tables.half_membrane_gradient(big + 0.5 * small)
+        stretch = tables.membrane_gradient(big + 0.5 * small)
         c = np.einsum("xtrj,xtj->tr", stretch, small)
 
         both = np.concatenate([reference.first, reference.second])
@@ -116,14 +108,14 @@ class Koiter:
 
         base = surface.tangents(reference.edge_first, triangles)
         moved = surface.jets(u, reference.edge_first, triangles)
-        if directors.base.any():
-            shift = surface.jets(directors.base, reference.edge_first, triangles)
-            base, moved = base + shift, surface.jets(u - directors.base, reference.edge_first, triangles)
+        if memory.base.any():
+            shift = surface.jets(memory.base, reference.edge_first, triangles)
+            base, moved = base + shift, surface.jets(u - memory.base, reference.edge_first, triangles)
         rotation = surface.triangle_rotations[triangles]
         angle = kinematics.angle_change(
-            base, moved, reference.edge_tangents.T, directors.vectors[:, rotation]
+            base, moved, reference.edge_tangents.T, memory.vectors[:, rotation]
         )
-        turn = directors.angle[triangles] + angle.change
+        turn = memory.angle[triangles] + angle.change
         turn += self._edge_signs(triangles) * x[surface.rotation_start + rotation]
 
         length = tables.bending(
@@ -143,7 +135,7 @@ class Koiter:
         r = surface.reference.strains
         result = np.zeros((count, 2 * r, 3 * n + 3 * surface.order))
 
-        membrane = tables.half_membrane_gradient(state.position)
+        membrane = tables.membrane_gradient(state.position)
         curvature = kinematics.curvature_gradient(state.curvature) / area
         bending = tables.bending_gradient(
             curvature, state.curvature.normal / area, kinematics.angle_gradient(state.angle) / stretch
@@ -178,126 +170,8 @@ class Koiter:
             whole[m, m] += membrane
         return whole.transpose(2, 0, 3, 1, 4).reshape(-1, 3 * n, 3 * n)
 
-    # ------------------------------------------------------------------ the whole surface
-
-    def strain(self, x: Floats, directors: Directors | None = None) -> Floats:
-        """(triangle, 2 r) strains s = (c, l) of a state, less the initial ones."""
-        directors = directors or self.rest
-        parts = [self._state(x, directors, triangles).strain for triangles in self.blocks]
-        return np.concatenate(parts) - self.initial
-
-    def stress(self, strain: Floats) -> Floats:
-        """K s: (triangle, 2 r), its second half the moments m."""
-        return np.matmul(self.stiffness, strain[:, :, None])[:, :, 0]
-
-    def energy(
-        self,
-        x: Floats,
-        derivatives: int = 0,
-        directors: Directors | None = None,
-        stress: Floats | None = None,
-    ) -> Energy:
-        """Energy of a state of finite deformation.
-
-        Parameters
-        ----------
-        x : (unknowns,)
-        derivatives : 0, 1 or 2
-        directors : Directors, optional
-            Those of the rest state if absent.
-        stress : (triangle, 2 r), optional
-            Stress of the second derivative instead of that of the state: the mixed iteration of Magisano,
-            Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.
-        """
-        directors = directors or self.rest
-        value = 0.0
-        forces = np.zeros(self.surface.triangle_unknowns.shape)
-        data = self.sparsity.empty() if derivatives > 1 else None
-        for triangles in self.blocks:
-            state = self._state(x, directors, triangles)
-            strain = state.strain - self.initial[triangles]
-            mine = np.matmul(self.stiffness[triangles], strain[:, :, None])[:, :, 0]
-            value += 0.5 * float(np.sum(strain * mine))
-            if derivatives == 0:
-                continue
-            gradient = self._gradient(state, triangles)
-            forces[triangles] = np.matmul(mine[:, None, :], gradient)[:, 0]
-            if data is not None:
-                matrices = self._product(gradient, triangles)
-                n = 3 * state.position.shape[2]
-                matrices[:, :n, :n] += self._geometric(
-                    state, mine if stress is None else stress[triangles], triangles
-                )
-                self.sparsity.add(data, triangles, matrices)
-        if derivatives == 0:
-            return Energy(value)
-        return Energy(value, self._gather(forces), None if data is None else self.sparsity.matrix(data))
-
-    def extrapolated_stress(self, x: Floats, step: Floats, directors: Directors | None = None) -> Floats:
-        """K (s + s' step): the stress after a step if the strains were linear. (triangle, 2 r)."""
-        directors = directors or self.rest
-        result = np.empty_like(self.initial)
-        for triangles in self.blocks:
-            state = self._state(x, directors, triangles)
-            change = step[self.surface.triangle_unknowns[triangles]]
-            strain = state.strain - self.initial[triangles]
-            strain += np.matmul(self._gradient(state, triangles), change[:, :, None])[:, :, 0]
-            result[triangles] = np.matmul(self.stiffness[triangles], strain[:, :, None])[:, :, 0]
-        return result
-
-    def _product(self, gradient: Floats, triangles: slice) -> Floats:
-        return np.matmul(gradient.swapaxes(1, 2), np.matmul(self.stiffness[triangles], gradient))
-
-    def _gather(self, forces: Floats) -> Floats:
-        """Sum of forces (triangle, 3 n + 3 p) on each unknown."""
-        where = self.surface.triangle_unknowns.ravel()
-        return np.bincount(where, weights=forces.ravel(), minlength=self.surface.unknowns)
-
-    # ------------------------------------------------------------------ small deflections: derivatives at rest
-
-    def _rest_gradients(self) -> Iterator[tuple[slice, Floats]]:
-        x = np.zeros(self.surface.unknowns)
-        for triangles in self.blocks:
-            yield triangles, self._gradient(self._state(x, self.rest, triangles), triangles)
-
-    def linear_stiffness(self) -> sp.csr_matrix:
-        """Second derivative of the energy at rest, without initial strains."""
-        data = self.sparsity.empty()
-        for triangles, gradient in self._rest_gradients():
-            self.sparsity.add(data, triangles, self._product(gradient, triangles))
-        return self.sparsity.matrix(data)
-
-    def linear_strain(self, x: Floats) -> Floats:
-        """(triangle, 2 r) strains to first order, less the initial ones."""
-        result = -self.initial
-        for triangles, gradient in self._rest_gradients():
-            change = x[self.surface.triangle_unknowns[triangles]]
-            result[triangles] += np.matmul(gradient, change[:, :, None])[:, :, 0]
-        return result
-
-    def linear_forces(self, stress: Floats) -> Floats:
-        """Nodal forces and edge moments (unknowns,) in equilibrium with a stress, at rest.
-
-        With the stress of `linear_strain` this is the stiffness times x with far less rounding in thin
-        shells: strains are formed before they are multiplied by the large membrane stiffness.
-        """
-        forces = np.empty(self.surface.triangle_unknowns.shape)
-        for triangles, gradient in self._rest_gradients():
-            forces[triangles] = np.matmul(stress[triangles, None, :], gradient)[:, 0]
-        return self._gather(forces)
-
-    def geometric_stiffness(self, stress: Floats) -> sp.csr_matrix:
-        """sum_r stress_r times the second derivative of the strain s_r at rest (for buckling)."""
-        x = np.zeros(self.surface.unknowns)
-        data = self.sparsity.empty()
-        count = self.surface.triangle_unknowns.shape[1]
-        for triangles in self.blocks:
-            state = self._state(x, self.rest, triangles)
-            matrices = np.zeros((len(state.strain), count, count))
-            n = 3 * state.position.shape[2]
-            matrices[:, :n, :n] = self._geometric(state, stress[triangles], triangles)
-            self.sparsity.add(data, triangles, matrices)
-        return self.sparsity.matrix(data)
+    def _apply(self, triangles: slice, columns: Floats) -> Floats:
+        return np.matmul(self.stiffness[triangles], columns)
 
     @cached_property
     def sparsity(self) -> Sparsity:

@@ -54,7 +54,7 @@ class StrainTables:
             s * pair(ref.edge_first[a], ref.edge_first[b]) for s, (a, b) in zip(share, PAIRS, strict=True)
         ]
 
-    def half_membrane_gradient(self, position: Floats) -> Floats:
+    def membrane_gradient(self, position: Floats) -> Floats:
         """d c_r / d x_j for nodes x (3, triangle, n): sum_i membrane_rij x_i, (3, triangle, r, n)."""
         count = position.shape[1]
         return (position.reshape(-1, self._n) @ self._membrane).reshape(3, count, -1, self._n)
