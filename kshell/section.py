@@ -44,7 +44,7 @@ class Section:
         self._Q = np.zeros((3, 3)) if material is None else material.plane_stress()
         self._density = 0.0 if material is None else material.density
         parts = {"thickness": thickness if stack is None else stack.thickness}
-        self._part = np.zeros(len(mesh.triangles), dtype=np.int32)  # which thickness each triangle has
+        self._part: Ints = np.zeros(len(mesh.triangles), dtype=np.int32)  # which thickness each triangle has
         if isinstance(thickness, Mapping) and stack is None:
             parts = {f'thickness of "{name}"': value for name, value in thickness.items()}
             self._part = _triangle_parts(mesh, list(thickness))
