@@ -37,6 +37,9 @@ class LinearForm(Protocol):
     def resultant(self, origin: Floats) -> Floats:
         """(3,) force along z, moments about x and y through ``origin``, straight from the data."""
 
+    def gross(self, size: float) -> float:
+        """Sum of absolute forces, moments divided by a size: the scale for errors of equilibrium."""
+
 
 def resultant_of(force: Floats, xy: Floats, origin: Floats) -> Floats:
     """Force and moments of forces (...,) along z at points (..., 2)."""
@@ -84,6 +87,10 @@ class AreaLoad:
             total += resultant_of(force, patch.xy, origin)
         return total
 
+    def gross(self, size: float) -> float:
+        patches = self.domain.patches(self._degree(), self.triangles)
+        return float(sum(np.abs(p.weights * self._values(p.triangles, p.xy)).sum() for p in patches))
+
 
 @dataclass
 class EdgeLoad:
@@ -116,6 +123,10 @@ class EdgeLoad:
         normal = self.patch.normal
         return np.array([0.0, -(value * normal[..., 1]).sum(), (value * normal[..., 0]).sum()])
 
+    def gross(self, size: float) -> float:
+        total = np.abs(self.value(self.patch.xy) * self.patch.weights).sum()
+        return float(total / size if self.moment else total)
+
 
 @dataclass
 class PointLoad:
@@ -138,6 +149,9 @@ class PointLoad:
 
     def resultant(self, origin: Floats) -> Floats:
         return np.array([0.0, *self.total[1:]]) + resultant_of(self.total[:1], self.xy[None], origin)
+
+    def gross(self, size: float) -> float:
+        return float(np.abs(self.total / np.array([1.0, size, size])).max())
 
 
 @dataclass
@@ -171,3 +185,10 @@ class CurvatureLoad:
 
     def resultant(self, origin: Floats) -> Floats:
         return np.zeros(3)  # self-equilibrated
+
+    def gross(self, size: float) -> float:
+        """The largest moment per length that holding the curvature back would take: a force."""
+        patches = self.bending.domain.patches(2, self.triangles)
+        return float(
+            max(np.abs(self.bending.at(p.triangles, p.xy) @ self.curvature(p.xy)[..., None]).max() for p in patches)
+        )
