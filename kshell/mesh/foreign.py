@@ -53,7 +53,8 @@ def read_foreign(path: Path) -> RawMesh:
         )
     said = io.StringIO()  # meshio prints its reasons
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        # its test whether an .stl file is binary overflows
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), np.errstate(over="ignore"):
             found = meshio.read(path)
     except (meshio.ReadError, *READER_ERRORS) as error:
         reason = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else f"{error}"

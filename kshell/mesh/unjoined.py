@@ -28,8 +28,8 @@ MERGE = (
 def unjoined(mesh: Mesh) -> list[str]:
     """Raise at doubled vertices and hanging nodes; return notes on slits and on parts.
 
-    Two vertices at one place are a slit, not an error, if both belong to groups of curves or points and to
-    the same part of the mesh.
+    Two vertices at one place are a slit, not an error, if both belong to named groups of curves or points
+    and to the same part of the mesh.
     """
     part = vertex_parts(mesh)
     n_parts = int(part.max()) + 1
@@ -49,7 +49,7 @@ def unjoined(mesh: Mesh) -> list[str]:
                 f"are not joined, e.g. at "
                 f"{place(mesh.points[first[0]])}: the triangles touch there without holding together. "
                 f"{MERGE}. If a slit is "
-                "meant, give each of its two sides a physical curve"
+                "meant, give each of its two sides a named physical curve"
             )
         if len(pairs):
             notes.append(
@@ -85,7 +85,9 @@ def sheet_parts(mesh: Mesh) -> Ints:
 def _on_named_curves(mesh: Mesh) -> Bools:
     """(vertex,) whether the vertex belongs to a group of curves or points."""
     named = np.zeros(len(mesh.points), dtype=bool)
-    for group in mesh.groups.values():
+    for name, group in mesh.groups.items():
+        if name == f"{group.dimension}:{group.tag}":  # a number means that nobody thought of this curve
+            continue
         if group.dimension == 1:
             named[mesh.edges[group.members]] = True
         elif group.dimension == 0:
