@@ -167,7 +167,11 @@ def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list
             )
         key = name if len(dimensions_of[name]) == 1 else f"{name} ({KIND_OF_DIMENSION[dimension]})"
         found = [_members(group, mesh, vertex_of, row_of) for group in stored]
-        members = np.unique(np.concatenate([m for m, _ in found])).astype(np.int32)
+        total = (len(mesh.points), len(mesh.edges), len(mesh.triangles))[dimension]
+        is_member = np.zeros(total, dtype=bool)
+        for indices, _ in found:
+            is_member[indices] = True
+        members = np.flatnonzero(is_member).astype(np.int32)
         lost = sum(n for _, n in found)
         groups[key] = Group(dimension, members, tags[0] if tags else None, lost)
         if lost:
@@ -190,7 +194,7 @@ def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list
 def _members(group: RawGroup, mesh: Mesh, vertex_of: Ints, row_of: Ints) -> tuple[Ints, int]:
     """Member indices (-1 removed) and how many distinct stored cells have none."""
     if group.dimension == 2:
-        return np.unique(row_of[group.cells]), 0
+        return row_of[group.cells], 0
     vertices = vertex_of[group.cells]
     if group.dimension == 0:
         found = vertices

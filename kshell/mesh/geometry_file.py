@@ -35,6 +35,8 @@ PACKAGE_OF_LIBRARY = {
     "libfreetype": "libfreetype6",
     "libgomp": "libgomp1",
 }
+# OpenCASCADE converts these formats
+IN_MILLIMETRES = (".step", ".stp", ".iges", ".igs")
 ALL_PACKAGES = "libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1"
 
 
@@ -72,7 +74,12 @@ def read_geometry(path: Path, mesh_size: float | None = None, mesh_order: int | 
             raise InputError(
                 f"{path.name}: gmsh cannot mesh it: {said}. Open the file in gmsh to see where"
             ) from error
-        return read_gmsh(target, path.name)
+        raw = read_gmsh(target, path.name)
+    if path.suffix.lower() in IN_MILLIMETRES:
+        raw.notes.append(
+            "lengths are in millimetres: gmsh converts files of this format to them, whatever their unit"
+        )
+    return raw
 
 
 def _import_gmsh() -> Any:

@@ -160,7 +160,8 @@ class Mesh:
     def to_skfem(self) -> skfem.MeshTri:
         """The same triangles as a scikit-fem mesh of the plane.
 
-        Groups of curves become its boundaries, groups of surfaces its subdomains. Edges and facets have the same numbers. Of a mesh of order 2 the vertices alone are taken.
+        Groups of curves become its boundaries, groups of surfaces its subdomains. Edges and facets have the
+        same numbers. Of a mesh of order 2 the vertices alone are taken.
 
         Raises
         ------

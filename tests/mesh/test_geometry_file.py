@@ -84,6 +84,36 @@ def test_surfaces_of_solids(tmp_path, suffix):
     assert len(mesh.boundary_edges) == 0
     assert {f"2:{k}" for k in range(1, 7)} <= set(mesh.groups)
     assert any("no physical groups" in note for note in mesh.notes)
+    assert any("millimetres" in note for note in mesh.notes) == (suffix == "step")
+
+
+def test_a_crack_opened_by_gmsh_is_a_slit(geo):
+    text = """h = 0.2;
+Point(1) = {0, 0, 0, h}; Point(2) = {1, 0, 0, h}; Point(3) = {1, 1, 0, h}; Point(4) = {0, 1, 0, h};
+Point(5) = {0, 0.5, 0, h}; Point(6) = {0.5, 0.5, 0, h};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 1}; Line(6) = {5, 6};
+Curve Loop(1) = {1:5}; Plane Surface(1) = {1}; Curve{6} In Surface{1};
+Physical Surface("plate", 1) = {1}; Physical Curve("crack", 2) = {6}; Physical Point("mouth", 3) = {5};
+Mesh 2;
+Plugin(Crack).Dimension = 1; Plugin(Crack).PhysicalGroup = 2; Plugin(Crack).OpenBoundaryPhysicalGroup = 3;
+Plugin(Crack).Run;
+"""
+    mesh = read_mesh(geo(text))
+    sides = {group.name: group.measure for group in check.summary(mesh).groups}
+    assert sides["crack"] == pytest.approx(1.0)  # both sides
+    assert mesh.notes == ("slit: 3 pairs of vertices at the same place, e.g. at (0, 0.5)",)
+
+
+def test_sheets_that_meet_in_a_tee(geo):
+    text = """SetFactory("OpenCASCADE");
+Rectangle(1) = {0, 0, 0, 1, 1};
+Rectangle(2) = {0, 0, 0, 1, 1};
+Rotate{ {0, 1, 0}, {0.5, 0, 0}, Pi/2 }{ Surface{2}; }
+Coherence;
+"""
+    mesh = read_mesh(geo(text), 0.25)
+    assert np.count_nonzero(mesh.edge_counts == 4) == 4
+    assert any("sheets of a shell branch" in note for note in mesh.notes)
 
 
 def test_output_stays_clean(geo, capfd):

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -139,6 +143,40 @@ $EndElements
         mesh = read_mesh(path)
         np.testing.assert_array_equal(mesh.triangles, [triangle])
         assert set(mesh.groups) == {"2:7"}
+
+
+def test_line_ends_of_windows(tmp_path):
+    path = tmp_path / "windows.msh"
+    names = '$PhysicalNames\n1\n1 5 "Stütze links"\n$EndPhysicalNames\n'
+    text = msh2_text(TRIANGLE, ["2 1 1 2 3", "2 1 2 4 3", "1 5 1 2"], names)
+    path.write_bytes(text.replace("\n", "\r\n").encode())
+    mesh = read_mesh(path)
+    assert list(mesh.groups) == ["Stütze links", "2:1"]
+
+
+def test_node_tags_may_be_any_numbers(tmp_path):
+    path = tmp_path / "sparse.msh"
+    text = msh2_text(TRIANGLE, ["2 1 100 7 31", "2 1 7 5000000 31", "15 3 31"])
+    for tag, new in ((4, 5000000), (3, 31), (2, 7), (1, 100)):
+        x, y, z = TRIANGLE[tag - 1]
+        text = text.replace(f"\n{tag} {x} {y} {z}\n", f"\n{new} {x} {y} {z}\n")
+    path.write_text(text)
+    mesh = read_mesh(path)
+    np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2], [1, 3, 2]])
+    assert mesh.groups["0:3"].members.tolist() == [2]
+
+
+def test_heavy_libraries_stay_out():
+    """A .msh file is read without gmsh, meshio or scikit-fem; the package alone not even loads scipy."""
+    folder = Path(__file__).parents[2] / "meshes"
+    program = (
+        "import sys, kshell.mesh\n"
+        "loaded = lambda: {name.partition('.')[0] for name in sys.modules}\n"
+        "assert not loaded() & {'gmsh', 'meshio', 'skfem', 'scipy', 'matplotlib'}, loaded()\n"
+        f"kshell.mesh.read_mesh({str(folder / 'plate.msh')!r})\n"
+        "assert not loaded() & {'gmsh', 'meshio', 'skfem', 'matplotlib'}, loaded()\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True, cwd=folder.parent)
 
 
 def test_big_endian_binary(tmp_path):
