@@ -142,9 +142,8 @@ def _midpoints(mesh: Mesh, node_points: Floats, middle_nodes: Ints) -> Floats:
         edge = edges[given][far[0]]
         raise InputError(
             f"{mesh.source}: the two triangles at the edge near {place(midpoints[edge])} have different "
-            f"mid-edge "
-            f"nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn there. "
-            f"Mesh again in one piece"
+            f"mid-edge nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn "
+            "there. Mesh again in one piece"
         )
     return midpoints
 
@@ -177,8 +176,8 @@ def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list
         if lost:
             notes.append(
                 f"group '{key}': {lost} of its "
-                f"{count(lost + len(members), KIND_OF_DIMENSION[dimension] + ' cell')} "
-                "belong to no triangle, so it cannot be used whole"
+                f"{count(lost + len(members), KIND_OF_DIMENSION[dimension] + ' cell')} belong to no "
+                "triangle, so it cannot be used whole"
             )
     empty = [name for name, group in groups.items() if not len(group.members) and not group.lost]
     if empty:

@@ -90,9 +90,8 @@ def _import_gmsh() -> Any:
         package = PACKAGE_OF_LIBRARY.get(missing.partition(".so")[0])
         packages = " ".join(dict.fromkeys(([package] if package else []) + ALL_PACKAGES.split()))
         raise InputError(
-            f"gmsh, which meshes geometry files, cannot be loaded: {error}. Install the system library, "
-            f"on Debian or "
-            f"Ubuntu `apt-get install {packages}`, or mesh the file elsewhere and give the .msh"
+            f"gmsh, which meshes geometry files, cannot be loaded: {error}. Install the system library, on "
+            f"Debian or Ubuntu `apt-get install {packages}`, or mesh the file elsewhere and give the .msh"
         ) from error
     except ImportError as error:
         raise InputError(
@@ -139,7 +138,7 @@ def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_ord
     if not gmsh.model.getEntities(2):
         raise InputError(
             f"{path.name}: has no surface to mesh. A .geo file needs a `Curve Loop` and a `Plane Surface` "
-            f"(or another surface)"
+            "(or another surface)"
         )
     number = gmsh.option.setNumber
     if mesh_size is not None:

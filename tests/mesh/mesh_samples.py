@@ -92,8 +92,8 @@ def msh2_text(points: list[tuple[float, float, float]], cells: list[str], names:
         cell_type, tag, *corners = cell.split()
         lines.append(f"{k} {cell_type} 2 {tag} 1 {' '.join(corners)}\n")
     return (
-        f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n{names}$Nodes\n{len(points)}\n{nodes}$EndNodes\n"
-        f"$Elements\n{len(cells)}\n{''.join(lines)}$EndElements\n"
+        "$MeshFormat\n2.2 0 "
+        f"8\n$EndMeshFormat\n{names}$Nodes\n{len(points)}\n{nodes}$EndNodes\n$Elements\n{len(cells)}\n{''.join(lines)}$EndElements\n"
     )
 
 

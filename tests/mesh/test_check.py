@@ -81,6 +81,12 @@ def test_a_slit_with_named_sides_is_meant():
         Mesh.from_arrays(points, cells, {"start": ends["start"]})
 
 
+@pytest.mark.parametrize("height", [1e-3, 1e-5, 1e-7])
+def test_thin_triangles_are_no_hanging_nodes(height):
+    mesh = Mesh.from_arrays([[0, 0], [1, 0], [0.5, height], [0.5, 1]], [[0, 1, 2], [0, 2, 3], [1, 3, 2]])
+    assert mesh.notes == ()
+
+
 def test_parts_that_are_not_connected_are_said():
     far = np.array(APART, dtype=float)
     far[4:, 0] += 1

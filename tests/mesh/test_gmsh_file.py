@@ -170,11 +170,10 @@ def test_heavy_libraries_stay_out():
     """A .msh file is read without gmsh, meshio or scikit-fem; the package alone not even loads scipy."""
     folder = Path(__file__).parents[2] / "meshes"
     program = (
-        "import sys, kshell.mesh\n"
-        "loaded = lambda: {name.partition('.')[0] for name in sys.modules}\n"
-        "assert not loaded() & {'gmsh', 'meshio', 'skfem', 'scipy', 'matplotlib'}, loaded()\n"
-        f"kshell.mesh.read_mesh({str(folder / 'plate.msh')!r})\n"
-        "assert not loaded() & {'gmsh', 'meshio', 'skfem', 'matplotlib'}, loaded()\n"
+        "import sys, kshell.mesh\nloaded = lambda: {name.partition('.')[0] for name in "
+        "sys.modules}\nassert not loaded() & {'gmsh', 'meshio', 'skfem', 'scipy', 'matplotlib'}, "
+        f"loaded()\nkshell.mesh.read_mesh({str(folder / 'plate.msh')!r})\nassert not loaded() & {{'gmsh', "
+        "'meshio', 'skfem', 'matplotlib'}, loaded()\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True, cwd=folder.parent)
 
