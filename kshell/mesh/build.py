@@ -35,6 +35,9 @@ def build(raw: RawMesh) -> Mesh:
     notes = list(raw.notes)
     nodes, row_of = unify(raw.triangles)
     check.usable_nodes(raw.points, nodes, raw.source)
+    n_copies = _unexplained_copies(raw, row_of)
+    if n_copies:
+        notes.append(f"{count(n_copies, 'copy of a triangle', 'copies of triangles')} left out")
 
     used, vertex_of = _renumber(nodes[:, :3], len(raw.points))
     points = np.ascontiguousarray(raw.points[used])
@@ -110,6 +113,20 @@ def unify(triangles: Ints) -> tuple[Ints, Ints]:
     rank = np.empty(len(order), dtype=np.int64)
     rank[order] = np.arange(len(order))
     return triangles[first[order]], rank[inverse]
+
+
+def _unexplained_copies(raw: RawMesh, row_of: Ints) -> int:
+    """Copies of triangles that do not come from a triangle's being in several groups."""
+    if len(row_of) == row_of.max() + 1:
+        return 0
+    copies = 0
+    grouped = np.zeros(len(row_of), dtype=bool)
+    for group in raw.groups:
+        if group.dimension == 2:
+            grouped[group.cells] = True
+            copies += len(group.cells) - len(np.unique(row_of[group.cells]))
+    rest = row_of[~grouped]
+    return copies + len(rest) - len(np.setdiff1d(rest, row_of[grouped]))
 
 
 def _renumber(corners: Ints, n_nodes: int) -> tuple[Ints, Ints]:

@@ -133,7 +133,10 @@ def test_copies_and_idle_nodes():
     points = [[0, 0], [5, 5], [1, 0], [0, 1], [1, 1]]
     mesh = Mesh.from_arrays(points, [[0, 2, 3], [3, 0, 2], [2, 4, 3]], {"part": [[2, 3, 0]]})
     assert len(mesh.triangles) == 2
-    assert mesh.notes == ("1 node of no triangle left out",)
+    assert mesh.notes == (
+        "1 copy of a triangle left out",
+        "1 node of no triangle left out",
+    )
     np.testing.assert_array_equal(mesh.points[:, :2], [[0, 0], [1, 0], [0, 1], [1, 1]])
     np.testing.assert_array_equal(mesh.groups["part"].members, [0])
 

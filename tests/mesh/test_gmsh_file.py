@@ -94,6 +94,7 @@ def test_cells_in_several_groups_are_one_cell(tmp_path):
     path.write_text(msh2_text(TRIANGLE, ["2 1 1 2 3", "2 2 1 2 3", "2 1 2 4 3", "1 5 1 2", "1 6 1 2"]))
     mesh = read_mesh(path)
     assert len(mesh.triangles) == 2
+    assert mesh.notes == ()
     assert {name: len(group.members) for name, group in mesh.groups.items()} == {
         "1:5": 1,
         "1:6": 1,
@@ -101,6 +102,14 @@ def test_cells_in_several_groups_are_one_cell(tmp_path):
         "2:2": 1,
     }
     np.testing.assert_array_equal(mesh.groups["1:5"].members, mesh.groups["1:6"].members)
+
+
+def test_a_cell_twice_in_one_group_is_said(tmp_path):
+    path = tmp_path / "copies.msh"
+    path.write_text(msh2_text(TRIANGLE, ["2 1 1 2 3", "2 1 3 1 2", "2 2 1 2 3", "2 0 2 4 3", "2 0 4 3 2"]))
+    mesh = read_mesh(path)
+    assert len(mesh.triangles) == 2
+    assert mesh.notes == ("2 copies of triangles left out",)
 
 
 def test_one_name_for_two_kinds_of_groups(tmp_path):
