@@ -36,7 +36,9 @@ def normal_components(triangles: AffineTriangles) -> tuple[Floats, Floats]:
         J n_ref = along_normal n + along_tangent t.
     """
     j, n = triangles.jacobian, triangles.normals
-    mapped = np.stack([-j[:, :, 1], j[:, :, 0] + j[:, :, 1], j[:, :, 0]], axis=1)  # J n_ref: (triangle, edge, 2)
+    mapped = np.stack(
+        [-j[:, :, 1], j[:, :, 0] + j[:, :, 1], j[:, :, 0]], axis=1
+    )  # J n_ref: (triangle, edge, 2)
     along_normal = mapped[..., 0] * n[..., 0] + mapped[..., 1] * n[..., 1]
     # t is n turned by 90 degrees
     return along_normal, mapped[..., 1] * n[..., 0] - mapped[..., 0] * n[..., 1]

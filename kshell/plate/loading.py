@@ -28,6 +28,10 @@ LOAD_DEGREE = 6  # polynomial degree of a varying load that is integrated exactl
 class LinearForm(Protocol):
     """A load, triangle by triangle; a triangle may occur more than once."""
 
+    @property
+    def everywhere(self) -> bool:
+        """Whether it covers the plate, in the blocks of its domain."""
+
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         """Batches: (positions in this load, triangle numbers)."""
 
@@ -55,6 +59,10 @@ class AreaLoad:
     element: PlateElement
     triangles: Ints | None
     pressure: float | Field
+
+    @property
+    def everywhere(self) -> bool:
+        return self.triangles is None
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         for block in self.domain.blocks(self.triangles):
@@ -102,6 +110,8 @@ class EdgeLoad:
     value: Callable[[Floats], Floats]  # (n, point) at points (n, point, 2)
     moment: bool
 
+    everywhere = False
+
     def __post_init__(self) -> None:
         self.patch: EdgePatch = self.domain.edge_patch(self.edges, self.element.maxdeg + 2)
 
@@ -139,6 +149,8 @@ class PointLoad:
     total: Floats  # (3,) force, moments about x and y through the vertex
     xy: Floats  # (2,) where
 
+    everywhere = False
+
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         yield np.arange(len(self.triangles)), self.triangles
 
@@ -161,6 +173,10 @@ class CurvatureLoad:
     bending: Bending
     triangles: Ints | None
     curvature: Callable[[Floats], Floats]  # (n, point, 3) at points (n, point, 2)
+
+    @property
+    def everywhere(self) -> bool:
+        return self.triangles is None
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         for block in self.bending.domain.blocks(self.triangles):
@@ -190,5 +206,8 @@ class CurvatureLoad:
         """The largest moment per length that holding the curvature back would take: a force."""
         patches = self.bending.domain.patches(2, self.triangles)
         return float(
-            max(np.abs(self.bending.at(p.triangles, p.xy) @ self.curvature(p.xy)[..., None]).max() for p in patches)
+            max(
+                np.abs(self.bending.at(p.triangles, p.xy) @ self.curvature(p.xy)[..., None]).max()
+                for p in patches
+            )
         )

@@ -34,7 +34,7 @@ class NodePairs:
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        nv, ne, nt = len(mesh.points), len(mesh.edges), len(mesh.triangles)
+        nv, ne = len(mesh.points), len(mesh.edges)
         low, high = mesh.edges.T
         v, e = np.arange(nv, dtype=np.int32), np.arange(nv, nv + ne, dtype=np.int32)
         opposite = mesh.triangles.ravel()
@@ -71,7 +71,9 @@ class NodePairs:
             out[a, facing] = s[7] + 3 * t + a
             out[facing, a] = s[8] + 3 * t + a
         for k, (a, b) in enumerate(EDGE_VERTICES):
-            backwards = n_e * (corner[:, a] > corner[:, b])  # the second half of each list is for the higher end
+            backwards = n_e * (
+                corner[:, a] > corner[:, b]
+            )  # the second half of each list is for the higher end
             out[a, b] = s[1] + edge[:, k] + backwards
             out[b, a] = s[1] + edge[:, k] + (n_e - backwards)
             out[a, 3 + k] = s[3] + edge[:, k] + backwards
@@ -136,12 +138,14 @@ class Pattern:
         for r in range(size):
             self.indices[ranges(place + r * width[nodes], width[nodes])] = columns
 
-    def positions(self, triangles: Ints, unknown: Ints32) -> NDArray[np.intp]:
+    def positions(self, triangles: Ints, dofs: Ints, unknown: Ints32) -> NDArray[np.intp]:
         """Where the entries of element matrices go in the data array.
 
         Parameters
         ----------
         triangles : (n,) int array
+        dofs : (n, local) int array
+            Their degrees of freedom.
         unknown : (n, local) int array
             Unknown numbers, -1 for fixed columns.
 
@@ -151,7 +155,6 @@ class Pattern:
         """
         layout = self.reduction.layout
         offset = self._offset[self.pairs.of_triangles(triangles)]  # (n, 6, 6)
-        dofs = layout.triangle_dofs(triangles)
         if layout.per_vertex > 1:
             local_node = np.concatenate([np.repeat(np.arange(3), layout.per_vertex), [3, 4, 5]])
             offset = offset[:, local_node][:, :, local_node] + self._rank[dofs][:, None, :]

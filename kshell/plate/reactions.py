@@ -207,7 +207,7 @@ class ReactionFinder:
         mesh = self.domain.mesh
         triangle, local = mesh.edge_owner[edge]
         corners = mesh.triangles[triangle]
-        a, b = ((0, 1), (1, 2), (2, 0))[local]  # counter-clockwise
+        a = (0, 1, 2)[local]  # where the edge starts, walked counter-clockwise
         leaves = corners[a] == vertex
         t = tangent if mesh.edges[edge, 0] == corners[a] else -tangent
         n = np.array([t[1], -t[0]])

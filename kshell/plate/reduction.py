@@ -167,12 +167,16 @@ class Reduction:
         solved[:, local] = 0.0
         return local, solved
 
-    def local_transform(self, triangles: Ints, transform: Floats) -> tuple[Floats, NDArray[np.int32]]:
+    def local_transform(
+        self, triangles: Ints, dofs: Ints, transform: Floats
+    ) -> tuple[Floats, NDArray[np.int32]]:
         """Turn transforms on physical degrees of freedom into transforms on the unknowns.
 
         Parameters
         ----------
         triangles : (n,) int array
+        dofs : (n, local) int array
+            Their degrees of freedom.
         transform : (n, reference dof, dof) array
 
         Returns
@@ -189,8 +193,9 @@ class Reduction:
                 local, rows = self._elimination(int(triangles[k]))
                 out[k] += out[k][:, local] @ rows
                 out[k][:, local] = 0.0
-        dofs = layout.triangle_dofs(triangles)
         out = out * layout.scale[dofs][:, None, :]
+        if b == 1:  # nothing to turn: a condition on a single number fixes it
+            return out, self.unknown[dofs]
         place = self.vertex_place[layout.mesh.triangles[triangles]]
         for v in range(3):
             here = np.flatnonzero(place[:, v] >= 0)

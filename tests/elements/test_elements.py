@@ -95,7 +95,7 @@ def test_stiffness_does_not_depend_on_place_and_scales_exactly(element, shift, s
         triangles = AffineTriangles.of_arrays(points, mesh.triangles)
         m = element.transformation(triangles)
         powers = np.concatenate([np.tile(element.vertex_powers, 3), np.tile(element.edge_powers, 3)])
-        return matrices.stiffness(element, triangles, d, m * size**-powers.astype(float)) * size**2
+        return matrices.stiffness(element, triangles, d, m * size ** -powers.astype(float)) * size**2
 
     reference = scaled_stiffness(mesh.points[:, :2], 1.0)
     moved = scaled_stiffness(mesh.points[:, :2] * scale + shift, scale)
@@ -119,7 +119,9 @@ def test_polynomials_of_full_degree_are_reproduced(corners, which, seed):
     c = np.tril(c[::-1])[::-1]  # total degree only
 
     def w(p, dx=0, dy=0):
-        reduced = np.polynomial.polynomial.polyder(np.polynomial.polynomial.polyder(c, dx, axis=0), dy, axis=1)
+        reduced = np.polynomial.polynomial.polyder(
+            np.polynomial.polynomial.polyder(c, dx, axis=0), dy, axis=1
+        )
         return np.polynomial.polynomial.polyval2d(p[..., 0], p[..., 1], reduced)
 
     triangles = AffineTriangles.of_arrays(x, np.array([[2, 0, 1]]))

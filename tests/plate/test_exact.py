@@ -19,9 +19,11 @@ def deflection(result):
 @pytest.mark.parametrize("mesh", [rectangle(4, wobble=0.2), disk(3)], ids=["square", "disk"])
 def test_edge_moments_bend_to_a_sphere(element, mesh):
     """M_n = m all around: w = -m r^2 / (2 (1 + nu)) up to a rigid motion, M_xx = M_yy = m."""
-    held = CORNERS if len(mesh.groups) > 3 else [
-        ks.Fixed(p, "z") for p in ((0, 0, 0), (1, 0, 0), (0.5, np.sqrt(0.75), 0))
-    ]
+    held = (
+        CORNERS
+        if len(mesh.groups) > 3
+        else [ks.Fixed(p, "z") for p in ((0, 0, 0), (1, 0, 0), (0.5, np.sqrt(0.75), 0))]
+    )
     result = solve(mesh, held, [ks.EdgeMoment("edge", 2.0)], element)
     x, y = mesh.points[:, :2].T
     w = deflection(result) + 2.0 * (x**2 + y**2) / (2 * (1 + NU))
@@ -90,7 +92,9 @@ def test_cylindrical_bending_by_prescribed_motion(element):
     x = result.mesh.points[:, 0]
     exact = 0.1 * (1.5 * x**2 - 0.5 * x**3)
     assert np.allclose(deflection(result), exact, atol=1e-10 if element == "argyris" else 1e-3)
-    assert result.reactions["right"]["force"][2] == pytest.approx(0.3, rel=1e-8 if element == "argyris" else 2e-2)
+    assert result.reactions["right"]["force"][2] == pytest.approx(
+        0.3, rel=1e-8 if element == "argyris" else 2e-2
+    )
     assert result.strain_energy == pytest.approx(0.015, rel=1e-8 if element == "argyris" else 2e-2)
 
 
@@ -102,12 +106,16 @@ def test_prescribed_values_that_vary_along_edges_are_met_exactly():
         return x**4 - y**4 + x * y
 
     mesh = rectangle(5, wobble=0.2)
-    result = solve(mesh, [ks.Fixed("edge", "z", value=form)], [
-        ks.EdgeMoment("right", f"-(12*x**2 - {NU}*12*y**2)"),
-        ks.EdgeMoment("left", f"-(12*x**2 - {NU}*12*y**2)"),
-        ks.EdgeMoment("top", f"-(-12*y**2 + {NU}*12*x**2)"),
-        ks.EdgeMoment("bottom", f"-(-12*y**2 + {NU}*12*x**2)"),
-    ])
+    result = solve(
+        mesh,
+        [ks.Fixed("edge", "z", value=form)],
+        [
+            ks.EdgeMoment("right", f"-(12*x**2 - {NU}*12*y**2)"),
+            ks.EdgeMoment("left", f"-(12*x**2 - {NU}*12*y**2)"),
+            ks.EdgeMoment("top", f"-(-12*y**2 + {NU}*12*x**2)"),
+            ks.EdgeMoment("bottom", f"-(-12*y**2 + {NU}*12*x**2)"),
+        ],
+    )
     x, y = mesh.points[:, :2].T
     assert np.allclose(deflection(result), normal_moment_free(x, y), atol=1e-10)
 
@@ -174,9 +182,7 @@ def test_variable_thickness_beam():
     """A cantilever whose thickness falls as t = (1 + x)^(-1/3)...: D = 1 / (1 + x), w'' = (1 + x) (1 - x) P."""
     material = ks.Isotropic(E=12.0, nu=0.0)
     tip = [ks.LineForce("right", (0, 0, 1.0))]
-    result = solve(
-        rectangle(6, 2), [ks.Clamped("left")], tip, material=material, thickness="(1 + x)**(-1/3)"
-    )
+    result = solve(rectangle(6, 2), [ks.Clamped("left")], tip, material=material, thickness="(1 + x)**(-1/3)")
     x = result.mesh.points[:, 0]
     assert np.allclose(deflection(result), x**2 / 2 - x**4 / 12, atol=2e-6)
     assert np.allclose(result.fields["moment"][:, 0], -(1 - x), atol=2e-3)

@@ -26,9 +26,7 @@ SUPPORTS = {
 
 
 def problem(mesh, supports, element, loads=(), thickness=1.0):
-    scene = ks.Scene(
-        mesh=mesh, thickness=thickness, material=STEEL, supports=supports, loads=list(loads)
-    )
+    scene = ks.Scene(mesh=mesh, thickness=thickness, material=STEEL, supports=supports, loads=list(loads))
     return PlateProblem(scene, mesh, ELEMENTS[element]())
 
 
@@ -116,7 +114,10 @@ LOOSE = {
         "turn about the line through .* along .*0.707",
     ),
     "symmetry only": ([ks.Symmetry("left"), ks.Symmetry("bottom")], "can move along z"),
-    "rotation springs only": ([ks.Elastic("left", 1.0, "r"), ks.Elastic("top", 1.0, "r")], "can move along z"),
+    "rotation springs only": (
+        [ks.Elastic("left", 1.0, "r"), ks.Elastic("top", 1.0, "r")],
+        "can move along z",
+    ),
 }
 
 

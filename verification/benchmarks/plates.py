@@ -47,7 +47,7 @@ def run_kshell(element: str, cells: int) -> Callable[[], int]:
     import kshell as ks
     from kshell.elements import ElementArgyris, ElementMorley
     from kshell.mesh.mesh import Mesh
-    from kshell.plate.assembly import assemble_load, assemble_matrix
+    from kshell.plate.assembly import assemble
     from kshell.plate.domain import Domain
     from kshell.plate.forms import Bending
     from kshell.plate.layout import Layout
@@ -66,8 +66,8 @@ def run_kshell(element: str, cells: int) -> Callable[[], int]:
         reduction = Reduction(Layout(mesh, used), Conditions())
         section = plate_section(mesh, 1.0, material)
         bending = Bending(domain, used, section)
-        matrix = assemble_matrix([bending], domain, reduction, Pattern(reduction)).matrix
-        assemble_load([AreaLoad(domain, used, None, 1.0)], domain, reduction)
+        pressure = AreaLoad(domain, used, None, 1.0)
+        matrix = assemble([bending], [pressure], domain, reduction, Pattern(reduction)).matrix
         return int(matrix.shape[0])
 
     return work
@@ -152,9 +152,22 @@ def whole_program() -> tuple[int, float]:
         mesh = unit_square(158)
         write_msh(mesh, Path(folder) / "plate.msh")
         words = ["solve", f"{folder}/plate.msh", "--thickness", "0.01", "--E", "210e9", "--nu", "0.3"]
-        words += ["--clamped", "edge", "--pressure", "1000", "--set", "solve.element=morley", "-o", f"{folder}/out"]
+        words += [
+            "--clamped",
+            "edge",
+            "--pressure",
+            "1000",
+            "--set",
+            "solve.element=morley",
+            "-o",
+            f"{folder}/out",
+        ]
         begin = time.perf_counter()
-        subprocess.run([sys.executable, "-c", "from kshell.cli import main; main()", *words], check=True, capture_output=True)
+        subprocess.run(
+            [sys.executable, "-c", "from kshell.cli import main; main()", *words],
+            check=True,
+            capture_output=True,
+        )
         return len(mesh.triangles), time.perf_counter() - begin
 
 
@@ -163,7 +176,9 @@ def measured(name: str, element: str) -> tuple[int, float, float]:
     environment = dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
     command = [sys.executable, "-m", "verification.benchmarks.plates", name, element]
     runs = [
-        json.loads(subprocess.run(command, check=True, capture_output=True, env=environment, text=True).stdout)
+        json.loads(
+            subprocess.run(command, check=True, capture_output=True, env=environment, text=True).stdout
+        )
         for _ in range(3)
     ]
     return runs[0][0], min(run[1] for run in runs), min(run[2] for run in runs)
@@ -172,7 +187,9 @@ def measured(name: str, element: str) -> tuple[int, float, float]:
 def main() -> None:
     """Print all measurements."""
     print("stiffness and load of a square plate, one thread")
-    print(f"{'element':10}{'unknowns':>10}{'kshell s':>10}{'skfem s':>10}{'faster':>8}{'kshell MB':>11}{'skfem MB':>10}{'less':>7}")
+    print(
+        f"{'element':10}{'unknowns':>10}{'kshell s':>10}{'skfem s':>10}{'faster':>8}{'kshell MB':>11}{'skfem MB':>10}{'less':>7}"
+    )
     for element in ("argyris", "morley"):
         n, ours, memory = measured("run_kshell", element)
         _, bare, bare_memory = measured("run_skfem", element)
@@ -184,7 +201,9 @@ def main() -> None:
     for name, error in digits().items():
         print(f"  {name:55}{error:.1e}")
     triangles, seconds = whole_program()
-    print(f"\nkshell solve, Morley, {triangles} triangles, from process start to written results: {seconds:.2f} s")
+    print(
+        f"\nkshell solve, Morley, {triangles} triangles, from process start to written results: {seconds:.2f} s"
+    )
 
 
 if __name__ == "__main__":
