@@ -22,6 +22,7 @@ Ints = NDArray[np.int64]
 
 VERTICES_AT_ONCE = 8192
 WORST_CONDITION = 1e9  # of the normal equations; beyond it the neighbours do not fix the polynomial
+NEIGHBOURS = 1.8  # per coefficient; with fewer, as at a boundary, the fit follows the higher terms instead
 MOST_MORE_RINGS = 3
 
 
@@ -35,8 +36,8 @@ def principal(mesh: Mesh, degree: int = 3, rings: int | None = None) -> VertexCu
     degree : {2, 3, 4}
         Of the polynomial. Where noise matters more than convergence take 2 with more rings.
     rings : int, optional
-        Of neighbours; `degree - 1`, at least 2, if left out. A vertex whose neighbours do not fix the
-        polynomial gets up to three more.
+        Of neighbours; `degree - 1`, at least 2, if left out. A vertex with fewer than 1.8 neighbours per
+        coefficient of the polynomial, as on the boundary, gets up to three more.
 
     Raises
     ------
@@ -59,7 +60,11 @@ def principal(mesh: Mesh, degree: int = 3, rings: int | None = None) -> VertexCu
         failed = []
         for start in range(0, len(pending), VERTICES_AT_ONCE):
             some = pending[start : start + VERTICES_AT_ONCE]
-            fit, good = _fit(mesh.points, some, reach, np.stack([e1, e2, normal], axis=1)[some], degree)
+            fit, good, crowd = _fit(
+                mesh.points, some, reach, np.stack([e1, e2, normal], axis=1)[some], degree
+            )
+            if more < MOST_MORE_RINGS:
+                good &= crowd
             slope[some[good]], hessian[some[good]] = fit[good, :2], fit[good, 2:]
             failed.append(some[~good])
         pending = np.concatenate(failed)
@@ -94,8 +99,8 @@ def _neighbours(mesh: Mesh, rings: int) -> tuple[Ints, Ints]:
 
 def _fit(
     points: Floats, some: Ints, reach: tuple[Ints, Ints], frame: Floats, degree: int
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """Slopes f_x, f_y and f_xx, f_xy, f_yy of the fits, (vertex, 5), and which fits are sound."""
+) -> tuple[Floats, NDArray[np.bool_], NDArray[np.bool_]]:
+    """Slopes f_x, f_y, f_xx, f_xy, f_yy (vertex, 5); which fits are sound; which have many neighbours."""
     start, column = reach
     counts = start[some + 1] - start[some]
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -115,7 +120,11 @@ def _fit(
     c = np.linalg.solve(matrix, right[..., None])[..., 0]
     at = {power: k for k, power in enumerate(powers)}
     second = np.stack([2.0 * c[:, at[2, 0]], c[:, at[1, 1]], 2.0 * c[:, at[0, 2]]], axis=1) / size[:, None]
-    return np.concatenate([c[:, [at[1, 0], at[0, 1]]], second], axis=1), good
+    return (
+        np.concatenate([c[:, [at[1, 0], at[0, 1]]], second], axis=1),
+        good,
+        counts >= NEIGHBOURS * len(powers),
+    )
 
 
 def _of_graph(
