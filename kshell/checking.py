@@ -9,12 +9,13 @@ from functools import partial
 import numpy as np
 
 from kshell.errors import InputError
-from kshell.loads import Load
+from kshell.loads import Load, Temperature
 from kshell.mesh import Mesh, check, select
 from kshell.mesh.check import Quality, Summary
+from kshell.places import Place
 from kshell.scene import Scene
 from kshell.section import plate_section
-from kshell.supports import Support
+from kshell.supports import Elastic, Support
 
 # below this angle a triangle spoils the accuracy around it
 SLIVER = 5.0
@@ -64,9 +65,9 @@ def check_scene(scene: Scene, mesh: Mesh) -> Findings:
         return found
     _collect(found, lambda: _check_section(scene, mesh))
     for support in scene.supports:
-        _collect(found, partial(_check_support, mesh, support))
+        _collect(found, partial(check_support, mesh, support))
     for load in scene.loads:
-        _collect(found, partial(_check_load, mesh, load))
+        _collect(found, partial(check_load, mesh, load))
     if not found.problems:
         _collect(found, lambda: _check_model(scene, mesh, found))
     return found
@@ -84,27 +85,41 @@ def _check_section(scene: Scene, mesh: Mesh) -> None:
     plate_section(mesh, scene.thickness, scene.material, scene.layers)
 
 
-def _check_support(mesh: Mesh, support: Support) -> None:
-    chosen = select(mesh, support.on, what=str(support))
-    if chosen.dimension == 0:
-        vertices = chosen.members
+def check_support(mesh: Mesh, support: Support) -> None:
+    """Raise InputError if the support is on nothing, or what it prescribes has no value at some vertex."""
+    points = _vertices(mesh, support.on, str(support))
+    support.translation_at(points)
+    if isinstance(support, Elastic):
+        support.stiffness_at(points)
+
+
+def check_load(mesh: Mesh, load: Load) -> None:
+    """Raise InputError if the load is on nothing, or has no finite value at some vertex.
+
+    Quadrature points lie inside triangles: without this a pole on a vertex or edge goes unnoticed.
+    """
+    points = mesh.points if load.on is None else _vertices(mesh, load.on, str(load))
+    if isinstance(load, Temperature):
+        load.curvature_at(points)
+        load.strain_at(points)
     else:
-        vertices = np.unique((mesh.edges if chosen.dimension == 1 else mesh.triangles)[chosen.members])
-    support.translation_at(mesh.points[vertices])
+        load.at(points)
 
 
-def _check_load(mesh: Mesh, load: Load) -> None:
-    if load.on is not None:
-        select(mesh, load.on, what=str(load))
+def _vertices(mesh: Mesh, on: Place, what: str) -> np.ndarray:
+    chosen = select(mesh, on, what=what)
+    if chosen.dimension == 0:
+        return mesh.points[chosen.members]
+    corners = mesh.edges if chosen.dimension == 1 else mesh.triangles
+    return mesh.points[np.unique(corners[chosen.members])]
 
 
 def _check_model(scene: Scene, mesh: Mesh, found: Findings) -> None:
-    """Set up the plate as a solve does, up to its loads."""
+    """Set up the plate as a solve does, without assembling."""
     from kshell.plate.problem import PlateProblem, choose_element
 
     choice = choose_element(scene.solve, mesh)
     problem = PlateProblem(scene, mesh, choice.element)
-    _ = problem.load  # evaluates all loads
     found.model = [
         "plate: the mesh is flat, bending alone is computed",
         choice.reason,

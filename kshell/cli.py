@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
 COMMANDS = ("solve", "check")
+INTERRUPTED = 130
 
 app = typer.Typer(
     name="kshell",
@@ -258,7 +259,7 @@ def _write_json(result: Result, target: str | None) -> list[str]:
 
 
 def _say(message: str, debug: bool = False) -> None:
-    if debug:
+    if debug and sys.exc_info()[0] is not None:
         traceback.print_exc()
     print(f"error: {message}", file=sys.stderr)
 
@@ -275,8 +276,9 @@ def run(arguments: Sequence[str]) -> int:
     debug = "--debug" in arguments
     if not debug:
         sys.excepthook = _short_report
+    command = typer.main.get_command(app)
     try:
-        return int(app(list(arguments) or ["--help"], standalone_mode=False) or 0)
+        code = command.main(list(arguments) or ["--help"], prog_name="kshell", standalone_mode=False) or 0
     except ClickException as error:
         words = error.format_message().rstrip().rstrip(".")
         if words.startswith("No such command"):
@@ -290,8 +292,10 @@ def run(arguments: Sequence[str]) -> int:
         _say("out of memory: take a coarser mesh, element morley, or solver multigrid", debug)
         return 1
     except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED  # depending on its version typer raises or returns
+    if code == INTERRUPTED:
         _say("interrupted: nothing was written", debug)
-        return 130
+    return int(code)
 
 
 def main() -> None:
