@@ -5,7 +5,9 @@ The public names are loaded when they are first used, so that `import kshell` is
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from kshell.errors import InputError, KshellError, KshellWarning, SolveError
@@ -104,3 +106,15 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+class _Package(ModuleType):
+    """The package as a module whose function `solve` is not hidden by its sub-package of the same name."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name == "solve" and isinstance(value, ModuleType):
+            return  # importing kshell.solve (the solvers) would replace kshell.solve (the function)
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

@@ -127,6 +127,10 @@ def _field_figure(result: Result, values: Floats, label: str) -> Figure:
     axes.autoscale_view()
     numbers = ScalarFormatter(useMathText=True)
     numbers.set_powerlimits((-3, 4))
-    bar = figure.colorbar(image, ax=axes, shrink=0.9, format=numbers)
+    wide = np.ptp(mesh.points[:, 0]) > 1.3 * np.ptp(mesh.points[:, 1])
+    where = "bottom" if wide else "right"
+    if wide:
+        figure.set_figheight(figure.get_figheight() + 1.0)
+    bar = figure.colorbar(image, ax=axes, format=numbers, location=where, aspect=40 if wide else 30)
     bar.set_label(f"{label}\nfrom {low:.4g} to {high:.4g}")
     return figure

@@ -58,12 +58,16 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
             _draw_support(axes, mesh, support)
         for load in scene.loads:
             _draw_load(axes, mesh, load)
-        for name, point in scene.probes.items():
+        for number, (name, point) in enumerate(scene.probes.items()):
             axes.plot(*point[:2], marker="+", color="black", markersize=9, markeredgewidth=1.5, linestyle="")
-            axes.annotate(name, point[:2], xytext=(5, 5), textcoords="offset points", fontsize=9)
+            axes.annotate(
+                name, point[:2], xytext=(5, (5, -13)[number % 2]), textcoords="offset points", fontsize=9
+            )
     axes.autoscale_view()
     axes.margins(0.12)
-    if axes.get_legend_handles_labels()[0]:
+    signs = len(axes.get_legend_handles_labels()[0])
+    if signs:
+        figure.set_figheight(figure.get_figheight() + 0.22 * signs)
         figure.legend(loc="outside lower center", ncols=1, fontsize=9, frameon=False)
     return figure
 

@@ -20,8 +20,9 @@ from kshell.errors import InputError
 from kshell.laminate import Laminate, Layer, laminate, require_symmetric
 from kshell.material import Material
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.select import select
 from kshell.mesh.words import place
-from kshell.naming import listing, suggestion
+from kshell.naming import listing
 from kshell.values import is_constant, show, values_at
 
 Floats = NDArray[np.float64]
@@ -44,7 +45,7 @@ class Section:
         self._Q = np.zeros((3, 3)) if material is None else material.plane_stress()
         self._density = 0.0 if material is None else material.density
         parts = {"thickness": thickness if stack is None else stack.thickness}
-        self._part = np.zeros(len(mesh.triangles), dtype=np.int32)  # which thickness each triangle has
+        self._part: Ints = np.zeros(len(mesh.triangles), dtype=np.int32)  # which thickness each triangle has
         if isinstance(thickness, Mapping) and stack is None:
             parts = {f'thickness of "{name}"': value for name, value in thickness.items()}
             self._part = _triangle_parts(mesh, list(thickness))
@@ -149,15 +150,9 @@ def plate_section(
 
 def _triangle_parts(mesh: Mesh, names: list[str]) -> Ints:
     """(triangle,) position in `names` of the group that each triangle belongs to."""
-    surfaces = [name for name, group in mesh.groups.items() if group.dimension == 2]
     part = np.full(len(mesh.triangles), -1, dtype=np.int32)
     for number, name in enumerate(names):
-        if name not in surfaces:
-            raise InputError(
-                f'thickness: no surface group "{name}" in {mesh.source}: '
-                f"{suggestion(name, surfaces)}the surface groups are {listing(surfaces)}"
-            )
-        members = mesh.groups[name].members
+        members = select(mesh, name, dimensions=(2,), what="thickness").members
         taken = members[part[members] >= 0]
         if len(taken):
             where = place(mesh.points[mesh.triangles[taken[0]]].mean(axis=0))
@@ -171,6 +166,7 @@ def _triangle_parts(mesh: Mesh, names: list[str]) -> Ints:
         where = place(mesh.points[mesh.triangles[bare[0]]].mean(axis=0))
         raise InputError(
             f"thickness: {len(bare)} triangles belong to none of the groups {listing(names)} "
-            f"(one at {where}): give the thickness of the rest; the surface groups are {listing(surfaces)}"
+            f"(one at {where}): give the thickness of the rest; the surface groups "
+            f"are {listing(name for name, group in mesh.groups.items() if group.dimension == 2)}"
         )
     return part

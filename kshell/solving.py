@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+from kshell.checking import check_load, check_support
 from kshell.errors import InputError, KshellWarning
 from kshell.result import Result
 from kshell.scene import Scene
@@ -43,6 +44,10 @@ def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **opti
         progress("read")
     begin = time.perf_counter()
     mesh = scene.read_mesh()
+    for support in scene.supports:
+        check_support(mesh, support)
+    for load in scene.loads:
+        check_load(mesh, load)
     read_seconds = time.perf_counter() - begin
 
     from kshell.plate import solve_plate

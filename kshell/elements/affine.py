@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 
@@ -39,7 +39,7 @@ class AffineTriangles:
     sense: Floats
 
     @classmethod
-    def of_mesh(cls, mesh: Mesh, triangles: ArrayLike | slice = slice(None)) -> AffineTriangles:
+    def of_mesh(cls, mesh: Mesh, triangles: NDArray[np.integer] | slice = slice(None)) -> AffineTriangles:
         """The triangles of a planar mesh, or some of them (indices or a slice)."""
         return cls.of_arrays(mesh.points[:, :2], mesh.triangles[triangles])
 

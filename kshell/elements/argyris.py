@@ -67,7 +67,14 @@ class ElementArgyris(PlateElement):
                 sign = end * triangles.sense[:, k]
                 value = 15 / 8 * sign / length
                 second = sign * length / 32
-                parts = (value, -7 / 16 * tx, -7 / 16 * ty, second * tx**2, 2 * second * tx * ty, second * ty**2)
+                parts = (
+                    value,
+                    -7 / 16 * tx,
+                    -7 / 16 * ty,
+                    second * tx**2,
+                    2 * second * tx * ty,
+                    second * ty**2,
+                )
                 for dof, part in enumerate(parts):
                     m[:, row, 6 * v + dof] = along_tangent[:, k] * part
         return m

@@ -20,21 +20,22 @@ from numpy.typing import NDArray
 
 from kshell.elements.affine import AffineTriangles
 from kshell.elements.base import PlateElement
+from kshell.elements.reference import DualBasis
 
 Floats = NDArray[np.float64]
 
 
 @lru_cache(maxsize=16)
-def _tables(element_type: type[PlateElement], order: int) -> Floats:
-    """(partial * partial, basis * basis) integrals of products of derivatives, made once per element."""
-    table = element_type.basis.product_integrals(order)
+def _tables(basis: DualBasis, order: int) -> Floats:
+    """(partial * partial, basis * basis) integrals of products of derivatives, made once per basis."""
+    table = basis.product_integrals(order)
     return table.reshape(table.shape[0] ** 2, -1)
 
 
 def _constant_coefficient(element: PlateElement, order: int, weight: Floats, transform: Floats) -> Floats:
     """transform^T (sum_ab weight_ab R_ab) transform for weights (triangle, partial, partial)."""
     n = element.count
-    flat = weight.reshape(len(weight), -1) @ _tables(type(element), order)
+    flat = weight.reshape(len(weight), -1) @ _tables(element.basis, order)
     reference = flat.reshape(-1, n, n)
     return np.swapaxes(transform, 1, 2) @ (reference @ transform)
 
@@ -70,9 +71,7 @@ def geometric_stiffness(
     """Integral of grad v . N grad w, N (triangle, 2, 2) force per length, constant in each triangle."""
     inverse = triangles.inverse
     weight = inverse @ membrane_force @ np.swapaxes(inverse, 1, 2)
-    return _constant_coefficient(
-        element, 1, weight * np.abs(triangles.determinant)[:, None, None], transform
-    )
+    return _constant_coefficient(element, 1, weight * np.abs(triangles.determinant)[:, None, None], transform)
 
 
 def load(element: PlateElement, triangles: AffineTriangles, pressure: Floats, transform: Floats) -> Floats:

@@ -15,7 +15,7 @@ from kshell.mesh.mesh import EDGE_VERTICES
 
 Floats = NDArray[np.float64]
 
-# normals of the reference edges, each the edge vector turned by -90 degrees (not normalised)
+# normals of the reference edges, (0, -1), (1, 1), (1, 0): each edge vector turned by -90 degrees
 REFERENCE_EDGES = VERTICES[EDGE_VERTICES[:, 1]] - VERTICES[EDGE_VERTICES[:, 0]]
 REFERENCE_NORMALS = np.stack([REFERENCE_EDGES[:, 1], -REFERENCE_EDGES[:, 0]], axis=-1)
 REFERENCE_MIDPOINTS = VERTICES[EDGE_VERTICES].mean(axis=1)
@@ -35,8 +35,13 @@ def normal_components(triangles: AffineTriangles) -> tuple[Floats, Floats]:
     along_normal, along_tangent : (triangle, edge) arrays
         J n_ref = along_normal n + along_tangent t.
     """
-    mapped = REFERENCE_NORMALS @ np.swapaxes(triangles.jacobian, 1, 2)  # (triangle, edge, 2)
-    return (mapped * triangles.normals).sum(-1), (mapped * triangles.tangents).sum(-1)
+    j, n = triangles.jacobian, triangles.normals
+    mapped = np.stack(
+        [-j[:, :, 1], j[:, :, 0] + j[:, :, 1], j[:, :, 0]], axis=1
+    )  # J n_ref: (triangle, edge, 2)
+    along_normal = mapped[..., 0] * n[..., 0] + mapped[..., 1] * n[..., 1]
+    # t is n turned by 90 degrees
+    return along_normal, mapped[..., 1] * n[..., 0] - mapped[..., 0] * n[..., 1]
 
 
 class ElementMorley(PlateElement):

@@ -27,7 +27,9 @@ PARTIALS = (
 
 def exponents(degree: int) -> NDArray[np.int64]:
     """(monomial, 2) exponents of xi and eta of all monomials up to a degree."""
-    return np.array([(i, j) for total in range(degree + 1) for i in range(total, -1, -1) for j in [total - i]])
+    return np.array(
+        [(i, j) for total in range(degree + 1) for i in range(total, -1, -1) for j in [total - i]]
+    )
 
 
 def falling(n: NDArray[np.int64], k: int) -> NDArray[np.int64]:
@@ -68,7 +70,7 @@ class DualBasis:
 
     def __init__(self, degree: int, functionals: Floats) -> None:
         self.degree = degree
-        self.coefficients: Floats = np.linalg.inv(functionals)  # (monomial, basis)
+        self.coefficients: Floats = np.linalg.inv(functionals).astype(np.float64)  # (monomial, basis)
 
     def __len__(self) -> int:
         return self.coefficients.shape[1]

@@ -71,9 +71,8 @@ def _with_midpoints(
     middle = np.asarray(midpoints, dtype=float)
     if middle.shape != (len(bare.edges), 3):
         raise InputError(
-            f"{source}: midpoints must be an array of shape ({len(bare.edges)}, 3), one row per edge in "
-            f"the order of "
-            f"Mesh.edges, not {middle.shape}"
+            f"{source}: midpoints must be an array of shape ({len(bare.edges)}, 3), one row per edge in the "
+            f"order of Mesh.edges, not {middle.shape}"
         )
     return np.concatenate([x, middle]), np.concatenate(
         [t, len(x) + bare.triangle_edges.astype(np.int64)], axis=1
@@ -88,9 +87,8 @@ def _group(name: str, cells: Any, triangles: Ints, n_points: int, source: str) -
         dimension = array.shape[1] - 1
     else:
         raise InputError(
-            f"{source}: group '{name}' must be an array of vertices (n,), edges (n, 2) or triangles (n, "
-            f"3), not of shape "
-            f"{array.shape}"
+            f"{source}: group '{name}' must be an array of vertices (n,), edges (n, 2) or triangles (n, 3), "
+            f"not of shape {array.shape}"
         )
     if array.size and (array.min() < 0 or array.max() >= n_points):
         raise InputError(f"{source}: group '{name}' names a vertex outside 0 to {n_points - 1}")

@@ -35,6 +35,9 @@ def build(raw: RawMesh) -> Mesh:
     notes = list(raw.notes)
     nodes, row_of = unify(raw.triangles)
     check.usable_nodes(raw.points, nodes, raw.source)
+    n_copies = _unexplained_copies(raw, row_of)
+    if n_copies:
+        notes.append(f"{count(n_copies, 'copy of a triangle', 'copies of triangles')} left out")
 
     used, vertex_of = _renumber(nodes[:, :3], len(raw.points))
     points = np.ascontiguousarray(raw.points[used])
@@ -112,6 +115,20 @@ def unify(triangles: Ints) -> tuple[Ints, Ints]:
     return triangles[first[order]], rank[inverse]
 
 
+def _unexplained_copies(raw: RawMesh, row_of: Ints) -> int:
+    """Copies of triangles that do not come from a triangle's being in several groups."""
+    if len(row_of) == row_of.max() + 1:
+        return 0
+    copies = 0
+    grouped = np.zeros(len(row_of), dtype=bool)
+    for group in raw.groups:
+        if group.dimension == 2:
+            grouped[group.cells] = True
+            copies += len(group.cells) - len(np.unique(row_of[group.cells]))
+    rest = row_of[~grouped]
+    return copies + len(rest) - len(np.setdiff1d(rest, row_of[grouped]))
+
+
 def _renumber(corners: Ints, n_nodes: int) -> tuple[Ints, Ints]:
     """Nodes that are corners, and the vertex number of every node (-1 for the others)."""
     is_vertex = np.zeros(n_nodes, dtype=bool)
@@ -142,9 +159,8 @@ def _midpoints(mesh: Mesh, node_points: Floats, middle_nodes: Ints) -> Floats:
         edge = edges[given][far[0]]
         raise InputError(
             f"{mesh.source}: the two triangles at the edge near {place(midpoints[edge])} have different "
-            f"mid-edge "
-            f"nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn there. "
-            f"Mesh again in one piece"
+            f"mid-edge nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn "
+            "there. Mesh again in one piece"
         )
     return midpoints
 
@@ -167,14 +183,18 @@ def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list
             )
         key = name if len(dimensions_of[name]) == 1 else f"{name} ({KIND_OF_DIMENSION[dimension]})"
         found = [_members(group, mesh, vertex_of, row_of) for group in stored]
-        members = np.unique(np.concatenate([m for m, _ in found])).astype(np.int32)
+        total = (len(mesh.points), len(mesh.edges), len(mesh.triangles))[dimension]
+        is_member = np.zeros(total, dtype=bool)
+        for indices, _ in found:
+            is_member[indices] = True
+        members = np.flatnonzero(is_member).astype(np.int32)
         lost = sum(n for _, n in found)
         groups[key] = Group(dimension, members, tags[0] if tags else None, lost)
         if lost:
             notes.append(
                 f"group '{key}': {lost} of its "
-                f"{count(lost + len(members), KIND_OF_DIMENSION[dimension] + ' cell')} "
-                "belong to no triangle, so it cannot be used whole"
+                f"{count(lost + len(members), KIND_OF_DIMENSION[dimension] + ' cell')} belong to no "
+                "triangle, so it cannot be used whole"
             )
     empty = [name for name, group in groups.items() if not len(group.members) and not group.lost]
     if empty:
@@ -190,7 +210,7 @@ def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list
 def _members(group: RawGroup, mesh: Mesh, vertex_of: Ints, row_of: Ints) -> tuple[Ints, int]:
     """Member indices (-1 removed) and how many distinct stored cells have none."""
     if group.dimension == 2:
-        return np.unique(row_of[group.cells]), 0
+        return row_of[group.cells], 0
     vertices = vertex_of[group.cells]
     if group.dimension == 0:
         found = vertices

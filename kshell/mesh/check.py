@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.mesh import quadratic
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.quality import Quality, Summary, quality, summary
 from kshell.mesh.raw import RawMesh
@@ -29,11 +30,9 @@ FLAT = 1e-9
 HOW_TO_TRIANGLES = {
     "quadrilaterals": "In the .geo file remove `Recombine Surface`, `Transfinite ... Recombine` and "
     "`Mesh.RecombineAll`; in Python leave out `gmsh.model.mesh.setRecombine`; a file without its geometry "
-    "is split by "
-    "scikit-fem's `MeshQuad.load(...).to_meshtri()`",
+    "is split by scikit-fem's `MeshQuad.load(...).to_meshtri()`",
     "solid cells": "kshell models the midsurface of a thin body: describe that surface, and mesh in two "
-    "dimensions, "
-    "`gmsh -2 file.geo`, without a Physical Volume",
+    "dimensions, `gmsh -2 file.geo`, without a Physical Volume",
     "triangles of order 3 or higher": "Set `Mesh.ElementOrder = 2;` (or 1) and mesh again",
 }
 
@@ -50,9 +49,8 @@ def only_triangles(raw: RawMesh) -> None:
     if raw.segments:
         raise InputError(
             f"{raw.source}: has {count(raw.segments, 'line cell')} but no triangles. Mesh the surface, "
-            f"`gmsh -2 file.geo`; "
-            "where physical groups exist gmsh saves nothing else, so the surface needs one too: "
-            '`Physical Surface("plate") = {1};`'
+            "`gmsh -2 file.geo`; where physical groups exist gmsh saves nothing else, so the surface needs "
+            'one too: `Physical Surface("plate") = {1};`'
         )
     raise InputError(f"{raw.source}: has no triangles. Mesh the surface first: `gmsh -2 file.geo`")
 
@@ -73,17 +71,16 @@ def usable_nodes(points: Floats, triangles: Ints, source: str) -> None:
         if len(broken):
             raise InputError(
                 f"{source}: {count(len(broken), 'node')} of the triangles have coordinates that are not "
-                f"finite numbers, "
-                f"e.g. node {broken[0]}: {points[broken[0]].tolist()}. Repair the file or export it again"
+                f"finite numbers, e.g. node {broken[0]}: {points[broken[0]].tolist()}. Repair the file or "
+                "export it again"
             )
     corners = triangles[:, :3]
     same = np.flatnonzero(np.equal(corners, np.roll(corners, 1, axis=1)).any(axis=1))
     if len(same):
         where = place(points[triangles[same[0], 0]])
         raise InputError(
-            f"{source}: {count(len(same), 'triangle')} with the same corner twice, e.g. triangle "
-            f"{same[0]} at {where}. "
-            "Remove such cells, or mesh again"
+            f"{source}: {count(len(same), 'triangle')} with the same corner twice, e.g. triangle {same[0]} "
+            f"at {where}. Remove such cells, or mesh again"
         )
 
 
@@ -95,10 +92,9 @@ def nodes_and_vertices(points: Floats, vertex_of: Ints, middle_nodes: Ints | Non
     both = nodes[vertex_of[nodes] >= 0]
     if len(both):
         raise InputError(
-            f"{source}: the node at {place(points[both[0]])} is a corner of one triangle and a mid-edge "
-            f"node of another "
-            f"({count(len(np.unique(both)), 'such node')}): the mesh does not fit together there. Mesh "
-            f"again in one piece"
+            f"{source}: the node at {place(points[both[0]])} is a corner of one triangle and a mid-edge node "
+            f"of another ({count(len(np.unique(both)), 'such node')}): the mesh does not fit together there. "
+            "Mesh again in one piece"
         )
 
 
@@ -115,10 +111,8 @@ def areas(points: Floats, triangles: Ints, source: str) -> None:
         middle = (a + b + c)[bad[0]] / 3
         raise InputError(
             f"{source}: {count(len(bad), 'triangle')} without area, e.g. triangle {bad[0]} at "
-            f"{place(middle)}. Such cells come "
-            "from edges or faces of the geometry that are too short: merge them (`Geometry.Tolerance`, "
-            "`Coherence;`) "
-            "and mesh again"
+            f"{place(middle)}. Such cells come from edges or faces of the geometry that are too short: merge "
+            "them (`Geometry.Tolerance`, `Coherence;`) and mesh again"
         )
 
 
@@ -129,41 +123,19 @@ def is_flat(points: Floats) -> bool:
 
 def curved_triangles(mesh: Mesh, midpoints: Floats) -> None:
     """Raise where the mid-edge nodes turn a triangle of order 2 inside out."""
-    x = np.concatenate(
-        [mesh.points[mesh.triangles], midpoints[mesh.triangle_edges]], axis=1
-    )  # (triangle, 6, 3)
-    a, b, c = x[:, 0], x[:, 1], x[:, 2]
-    normal = np.cross(b - a, c - a)
-    worst = np.full(len(x), np.inf)
-    for gradient in _P2_GRADIENTS:  # at each of the six nodes
-        tangents = np.einsum("dn,tnx->dtx", gradient, x)
-        jacobian = np.sum(np.cross(tangents[0], tangents[1]) * normal, axis=1)
-        worst = np.minimum(worst, jacobian / np.sum(normal**2, axis=1))
+    x = quadratic.node_points(mesh, midpoints)
+    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    at_nodes = quadratic.normals(x, quadratic.NODES)  # (node, triangle, 3)
+    # 1 for a flat triangle with straight edges
+    worst = np.sum(at_nodes * normal, axis=2).min(axis=0) / np.sum(normal**2, axis=1)
     bad = np.flatnonzero(worst <= 1e-6)
     if len(bad):
         first = bad[np.argmin(worst[bad])]
         raise InputError(
             f"{mesh.source}: {count(len(bad), 'triangle')} of order 2 turned inside out by their mid-edge "
-            f"nodes, the worst at "
-            f"{place(x[first, :3].mean(axis=0))}. Mesh finer along the curved edge, or use gmsh's "
-            f"optimisation: "
-            "`Mesh.HighOrderOptimize = 2;`"
+            f"nodes, the worst at {place(x[first, :3].mean(axis=0))}. Mesh finer along the curved edge, or "
+            "use gmsh's optimisation: `Mesh.HighOrderOptimize = 2;`"
         )
-
-
-def _p2_gradients() -> Floats:
-    """(node, direction, shape function) gradients of the quadratic shape functions at the six nodes."""
-    barycentric = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.5, 0.5, 0], [0, 0.5, 0.5], [0.5, 0, 0.5]])
-    d_barycentric = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])  # (direction, corner)
-    corner = (4 * barycentric[:, None, :] - 1) * d_barycentric
-    edge = [
-        4 * (barycentric[:, None, i] * d_barycentric[:, j] + barycentric[:, None, j] * d_barycentric[:, i])
-        for i, j in ((0, 1), (1, 2), (0, 2))
-    ]
-    return np.concatenate([corner, np.stack(edge, axis=2)], axis=2)
-
-
-_P2_GRADIENTS = _p2_gradients()
 
 
 def connections(mesh: Mesh) -> list[str]:
@@ -174,8 +146,7 @@ def connections(mesh: Mesh) -> list[str]:
         middle = mesh.points[mesh.edges[branches[0]]].mean(axis=0)
         notes.append(
             f"{count(len(branches), 'edge')} shared by more than two triangles, e.g. at {place(middle)}: "
-            f"sheets of a shell "
-            "branch there"
+            "sheets of a shell branch there"
         )
     return notes
 
@@ -213,9 +184,9 @@ def plate_problems(mesh: Mesh) -> None:
         if distance > 1e-7 * mesh.size:
             off = np.abs((mesh.points - centre) @ normal)
             raise InputError(
-                f"{mesh.source}: not planar, so it is no plate: nodes lie up to {distance:.3g} off the "
-                f"best plane, e.g. the "
-                f"vertex {place(mesh.points[np.argmax(off)])}. Flatten it, or solve it as a shell (model "
+                f"{mesh.source}: not planar, so it is no plate: nodes lie up to {distance:.3g} off the best "
+                f"plane, e.g. the vertex {place(mesh.points[np.argmax(off)])}. Flatten it, or solve it as a "
+                "shell (model "
                 f'= "shell")'
             )
         axis = np.argmax(np.abs(normal))
@@ -229,9 +200,8 @@ def plate_problems(mesh: Mesh) -> None:
         about = ", ".join(f"{c:.6g}" for c in centre)
         raise InputError(
             f"{mesh.source}: lies in the plane {plane}, but a plate lies in a plane z = const. Turn it "
-            f"there, in the .geo file with "
-            f"`Rotate {{{{{axis_text}}}, {{{about}}}, {angle:.12g}}} {{ Surface{{:}}; }}`, or solve it as "
-            f"a shell "
+            f"there, in the .geo file with `Rotate {{{{{axis_text}}}, {{{about}}}, {angle:.12g}}} {{ "
+            "Surface{:}; }`, or solve it as a shell "
             '(model = "shell")'
         )
     branches = np.flatnonzero(mesh.edge_counts > 2)
@@ -239,7 +209,6 @@ def plate_problems(mesh: Mesh) -> None:
         middle = mesh.points[mesh.edges[branches[0]]].mean(axis=0)
         raise InputError(
             f"{mesh.source}: {count(len(branches), 'edge')} shared by more than two triangles, e.g. at "
-            f"{place(middle)}: "
-            "in a plane that means triangles lie upon each other. Remove the copies, or mesh again in one "
-            "piece"
+            f"{place(middle)}: in a plane that means triangles lie upon each other. Remove the copies, or "
+            "mesh again in one piece"
         )

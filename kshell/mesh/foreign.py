@@ -47,20 +47,19 @@ def read_foreign(path: Path) -> RawMesh:
     known = meshio.extension_to_filetypes
     if path.suffix.lower() not in known:
         raise InputError(
-            f"{path.name}: the format '{path.suffix}' is not known. Readable are .msh of gmsh, .geo, "
-            f".step, .brep and "
-            f"what meshio reads: {' '.join(sorted(known))}"
+            f"{path.name}: the format '{path.suffix}' is not known. Readable are .msh of gmsh, .geo, .step, "
+            f".brep and what meshio reads: {' '.join(sorted(known))}"
         )
     said = io.StringIO()  # meshio prints its reasons
     try:
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        # its test whether an .stl file is binary overflows
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), np.errstate(over="ignore"):
             found = meshio.read(path)
     except (meshio.ReadError, *READER_ERRORS) as error:
         reason = " ".join(said.getvalue().split()) if isinstance(error, SystemExit) else f"{error}"
         raise InputError(
-            f"{path.name}: meshio cannot read it: {reason or type(error).__name__}. Is the file damaged, "
-            f"or of another "
-            "format than its name says?"
+            f"{path.name}: meshio cannot read it: {reason or type(error).__name__}. Is the file damaged, or "
+            "of another format than its name says?"
         ) from error
     return _from_meshio(found, path.name)
 
@@ -79,14 +78,14 @@ def raw_from_object(source: Any) -> RawMesh:
         return _from_skfem(source, f"scikit-fem {name}")
     if any(library == "skfem" for library, _ in ancestors):
         raise InputError(
-            f"scikit-fem {name}: kshell takes triangles only, MeshTri or MeshTri2. A MeshQuad becomes one "
-            f"by `.to_meshtri()`"
+            f"scikit-fem {name}: kshell takes triangles only, MeshTri or MeshTri2. A MeshQuad becomes one by "
+            "`.to_meshtri()`"
         )
     if any(library == "meshio" for library, _ in ancestors):
         return _from_meshio(source, "meshio mesh")
     raise InputError(
-        f"a mesh cannot be made from an object of class {name}: give a path, a kshell.Mesh, a "
-        f"skfem.MeshTri or a meshio.Mesh"
+        f"a mesh cannot be made from an object of class {name}: give a path, a kshell.Mesh, a skfem.MeshTri "
+        "or a meshio.Mesh"
     )
 
 

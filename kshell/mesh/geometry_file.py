@@ -35,6 +35,8 @@ PACKAGE_OF_LIBRARY = {
     "libfreetype": "libfreetype6",
     "libgomp": "libgomp1",
 }
+# OpenCASCADE converts these formats
+IN_MILLIMETRES = (".step", ".stp", ".iges", ".igs")
 ALL_PACKAGES = "libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1"
 
 
@@ -72,7 +74,12 @@ def read_geometry(path: Path, mesh_size: float | None = None, mesh_order: int | 
             raise InputError(
                 f"{path.name}: gmsh cannot mesh it: {said}. Open the file in gmsh to see where"
             ) from error
-        return read_gmsh(target, path.name)
+        raw = read_gmsh(target, path.name)
+    if path.suffix.lower() in IN_MILLIMETRES:
+        raw.notes.append(
+            "lengths are in millimetres: gmsh converts files of this format to them, whatever their unit"
+        )
+    return raw
 
 
 def _import_gmsh() -> Any:
@@ -83,9 +90,8 @@ def _import_gmsh() -> Any:
         package = PACKAGE_OF_LIBRARY.get(missing.partition(".so")[0])
         packages = " ".join(dict.fromkeys(([package] if package else []) + ALL_PACKAGES.split()))
         raise InputError(
-            f"gmsh, which meshes geometry files, cannot be loaded: {error}. Install the system library, "
-            f"on Debian or "
-            f"Ubuntu `apt-get install {packages}`, or mesh the file elsewhere and give the .msh"
+            f"gmsh, which meshes geometry files, cannot be loaded: {error}. Install the system library, on "
+            f"Debian or Ubuntu `apt-get install {packages}`, or mesh the file elsewhere and give the .msh"
         ) from error
     except ImportError as error:
         raise InputError(
@@ -132,7 +138,7 @@ def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_ord
     if not gmsh.model.getEntities(2):
         raise InputError(
             f"{path.name}: has no surface to mesh. A .geo file needs a `Curve Loop` and a `Plane Surface` "
-            f"(or another surface)"
+            "(or another surface)"
         )
     number = gmsh.option.setNumber
     if mesh_size is not None:

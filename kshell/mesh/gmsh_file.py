@@ -23,8 +23,8 @@ from kshell.mesh.raw import RawGroup, RawMesh
 Ints = NDArray[np.int64]
 
 OTHER_VERSION = (
-    "Save it as version 4.1, `gmsh {name} -save -format msh41 -o new.msh`, "
-    "or set `Mesh.MshFileVersion = 4.1;`"
+    "Save it as version 4.1, `gmsh {name} -save -format msh41 -o new.msh`, or set `Mesh.MshFileVersion = "
+    "4.1;`"
 )
 _NAME_LINE = re.compile(r'^\s*(\d)\s+(-?\d+)\s+"(.*)"\s*$')
 
@@ -43,8 +43,8 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
         raise InputError(f"{source}: the file is empty. Mesh again, `gmsh -2 file.geo -o file.msh`")
     if not data.lstrip().startswith((b"$MeshFormat", b"$Comments", b"$NOD")):
         raise InputError(
-            f"{source}: not a gmsh file: it does not begin with $MeshFormat. Is it of another format or "
-            f"cut off?"
+            f"{source}: not a gmsh file: it does not begin with $MeshFormat. Is it of another format or cut "
+            "off?"
         )
     found = sections(data, source)
     if "MeshFormat" not in found:
@@ -53,8 +53,8 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
     for name in ("Nodes", "Elements"):
         if name not in found:
             raise InputError(
-                f"{source}: has no ${name}: the file was saved before meshing or cut off. Mesh again, "
-                f"`gmsh -2 file.geo`"
+                f"{source}: has no ${name}: the file was saved before meshing or cut off. Mesh again, `gmsh "
+                "-2 file.geo`"
             )
     if version == "2.2":
         tags, points = msh2.read_nodes(found["Nodes"], binary, byte_order)
@@ -191,8 +191,7 @@ class _NodeNumbers:
         if not known.all():
             raise InputError(
                 f"{self._source}: a cell names node {tags[~known][0]}, which the file does not hold. The "
-                f"file is damaged: "
-                "write it again"
+                "file is damaged: write it again"
             )
         numbers: Ints = self._order[place]
         return numbers

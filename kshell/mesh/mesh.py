@@ -158,7 +158,16 @@ class Mesh:
         return np.where(table[place] == key, place, -1).astype(np.int32)
 
     def to_skfem(self) -> skfem.MeshTri:
-        """The same triangles as a scikit-fem mesh of the plane (the z coordinate must be constant)."""
+        """The same triangles as a scikit-fem mesh of the plane.
+
+        Groups of curves become its boundaries, groups of surfaces its subdomains. Edges and facets have the
+        same numbers. Of a mesh of order 2 the vertices alone are taken.
+
+        Raises
+        ------
+        InputError
+            If the z coordinate is not constant.
+        """
         import skfem
 
         z = self.points[:, 2]
@@ -170,6 +179,8 @@ class Mesh:
         return skfem.MeshTri(
             np.ascontiguousarray(self.points[:, :2].T),
             np.ascontiguousarray(self.triangles.T.astype(np.int64)),
+            {name: group.members for name, group in self.groups.items() if group.dimension == 1},
+            {name: group.members for name, group in self.groups.items() if group.dimension == 2},
             sort_t=False,
             validate=False,
         )

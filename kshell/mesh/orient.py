@@ -68,10 +68,9 @@ def to_reverse(mesh: Mesh, flat: bool) -> Bools:
             middle = _edge_middle(mesh, pairs[folded[0], 0])
             raise InputError(
                 f"{mesh.source}: the mesh is folded over itself at {len(folded)} of its edges, e.g. at "
-                f"{place(middle)}: "
-                "an inverted triangle overlaps its neighbour there. Mesh again (a smaller element size "
-                "or, for "
-                "order 2, gmsh's high-order optimisation helps), or move the vertex back"
+                f"{place(middle)}: an inverted triangle overlaps its neighbour there. Mesh again (a smaller "
+                "element size or, for order 2, gmsh's high-order optimisation helps), or move the vertex "
+                "back"
             )
         return reverse
     if agree.all():
@@ -97,9 +96,9 @@ def _by_double_cover(mesh: Mesh, pairs: Ints, agree: Bools) -> Bools:
         clash = np.flatnonzero(~agree & (stored == reversed_)[t[:, 0]])[0]
         middle = _edge_middle(mesh, pairs[clash, 0])
         raise InputError(
-            f"{mesh.source}: the surface is one-sided (a Moebius strip) near {place(middle)}, so it has "
-            f"no top and "
-            "bottom. Cut it there into two surfaces that share no vertices, or mesh it as two sheets"
+            f"{mesh.source}: the surface is one-sided (a Moebius strip) near {place(middle)}, so it has no "
+            "top and bottom. Cut it there into two surfaces that share no vertices, or mesh it as two "
+            "sheets"
         )
     # of the two components of a sheet keep the one that holds more triangles as stored; ties keep the first
     as_stored = np.bincount(stored, minlength=n_parts)

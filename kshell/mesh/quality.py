@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.mesh import quadratic
+from kshell.mesh.mesh import Mesh
 
 Floats = NDArray[np.float64]
 
@@ -137,17 +138,7 @@ def triangle_areas(mesh: Mesh) -> Floats:
     """(triangle,) area, of the curved triangle where the mesh is of order 2."""
     if mesh.midpoints is None:
         return mesh.areas
-    x = np.concatenate([mesh.points[mesh.triangles], mesh.midpoints[mesh.triangle_edges]], axis=1)
-    # rule of degree 4 with six points (Dunavant 1985), barycentric
-    near, far = 0.091576213509771, 0.445948490915965
-    points = [np.roll([1 - 2 * p, p, p], k) for p in (near, far) for k in range(3)]
-    weights = [0.109951743655322] * 3 + [0.223381589678011] * 3
-    d_corner = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])  # gradients of the barycentric coordinates
-    areas: Floats = np.zeros(len(x))
-    for barycentric, weight in zip(points, weights, strict=True):
-        i, j = EDGE_VERTICES.T
-        edge = 4 * (barycentric[i] * d_corner[:, j] + barycentric[j] * d_corner[:, i])
-        gradient = np.concatenate([(4 * barycentric - 1) * d_corner, edge], axis=1)  # (direction, node)
-        tangents = np.einsum("dn,tnx->dtx", gradient, x)
-        areas += 0.5 * weight * np.linalg.norm(np.cross(tangents[0], tangents[1]), axis=1)
+    nodes = quadratic.node_points(mesh, mesh.midpoints)
+    density = np.linalg.norm(quadratic.normals(nodes, quadratic.RULE_POINTS), axis=2)  # (point, triangle)
+    areas: Floats = 0.5 * quadratic.RULE_WEIGHTS @ density
     return areas

@@ -39,8 +39,7 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
         name = path.name if path else f"a {type(source).__name__} object"
         raise InputError(
             f"{option} is for geometry files ({', '.join(GEOMETRY_SUFFIXES)}) only: {name} is meshed "
-            f"already. "
-            f"Leave {option} out, or give the geometry"
+            f"already. Leave {option} out, or give the geometry"
         )
     if isinstance(source, Mesh):
         return source
@@ -73,7 +72,7 @@ def _require_file(path: Path) -> None:
         near = f" Did you mean '{close}'?" if close else ""
     raise InputError(
         f"mesh file {path} not found.{near} Relative paths start from the folder of the scene, or the "
-        f"present one"
+        "present one"
     )
 
 

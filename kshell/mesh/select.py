@@ -79,8 +79,8 @@ def select(
         return _union(mesh, items, allowed, what)
     if any(isinstance(item, str) for item in items):
         raise InputError(
-            f"{what}: `on` mixes names and numbers: {items}. Give a name, a list of names, or a point [x, "
-            f"y, z]"
+            f"{what}: `on` mixes names and numbers: {items}. Give a name, a list of names, or a point [x, y, "
+            "z]"
         )
     return _nearest_vertex(mesh, items, allowed, what)
 
@@ -126,26 +126,23 @@ def _group(mesh: Mesh, name: str, allowed: tuple[int, ...], what: str) -> Group:
     key, group = next(iter(fitting.items()))
     if group.lost:
         raise InputError(
-            f"{what}: {count(group.lost, 'cell')} of group '{key}' in {mesh.source} belong to no "
-            f"triangle, so only a part of it "
-            f"would be used. {_EMBED[group.dimension]}"
+            f"{what}: {count(group.lost, 'cell')} of group '{key}' in {mesh.source} belong to no triangle, "
+            f"so only a part of it would be used. {_EMBED[group.dimension]}"
         )
     if not len(group.members):
         raise InputError(
-            f"{what}: group '{key}' in {mesh.source} is empty. Its name is declared but no cell carries "
-            f"its tag: mesh again "
-            "with the physical group on existing entities (MSH 2.2 saved with `Mesh.SaveAll = 1` loses "
-            "all tags: save "
-            "as MSH 4.1)"
+            f"{what}: group '{key}' in {mesh.source} is empty. Its name is declared but no cell carries its "
+            "tag: mesh again with the physical group on existing entities (MSH 2.2 saved with `Mesh.SaveAll "
+            "= 1` loses all tags: save as MSH 4.1)"
         )
     return group
 
 
 _EMBED = (
-    "Embed the point in the surface before meshing, in the .geo file `Point{5} In Surface{1};`, in Python "
-    "`gmsh.model.mesh.embed(0, [5], 2, 1)`",
-    "Embed the curve in the surface before meshing, in the .geo file `Curve{5} In Surface{1};`, in Python "
-    "`gmsh.model.mesh.embed(1, [5], 2, 1)`",
+    "Embed the point in the surface before meshing, in the .geo file `Point{5} In Surface{1};`, in "
+    "Python `gmsh.model.mesh.embed(0, [5], 2, 1)`",
+    "Embed the curve in the surface before meshing, in the .geo file `Curve{5} In Surface{1};`, in "
+    "Python `gmsh.model.mesh.embed(1, [5], 2, 1)`",
     "Mesh again in one piece",
 )
 
@@ -183,7 +180,7 @@ def _nearest_vertex(mesh: Mesh, items: list[Any], allowed: tuple[int, ...], what
     if distance > MOVED * mesh.size:
         warning = (
             f"{what} at {label}: no vertex there; the nearest one, {place(mesh.points[vertex])}, "
-            f"{distance:.3g} away, is used. "
-            "Embed the point when meshing, in the .geo file `Point{5} In Surface{1};`"
+            f"{distance:.3g} away, is used. Embed the point when meshing, in the .geo file `Point{{5}} In "
+            "Surface{1};`"
         )
     return Selection(0, np.array([vertex], dtype=np.int32), label, distance, warning)

@@ -18,6 +18,8 @@ Bools = NDArray[np.bool_]
 
 # vertices closer than this fraction of the shortest edge are at the same place
 SAME_PLACE = 1e-4
+# a vertex closer to an edge than this fraction of its length is on the edge
+ON_EDGE = 1e-6
 
 MERGE = (
     "Join them: in the .geo file `Coherence;` after the geometry (with OpenCASCADE `BooleanFragments`) or "
@@ -28,8 +30,8 @@ MERGE = (
 def unjoined(mesh: Mesh) -> list[str]:
     """Raise at doubled vertices and hanging nodes; return notes on slits and on parts.
 
-    Two vertices at one place are a slit, not an error, if both belong to groups of curves or points and to
-    the same part of the mesh.
+    Two vertices at one place are a slit, not an error, if both belong to named groups of curves or points
+    and to the same part of the mesh.
     """
     part = vertex_parts(mesh)
     n_parts = int(part.max()) + 1
@@ -45,11 +47,10 @@ def unjoined(mesh: Mesh) -> list[str]:
         if not meant.all():
             first = pairs[np.flatnonzero(~meant)[0]]
             raise InputError(
-                f"{mesh.source}: {count(int((~meant).sum()), 'pair')} of vertices at the same place that "
-                f"are not joined, e.g. at "
-                f"{place(mesh.points[first[0]])}: the triangles touch there without holding together. "
-                f"{MERGE}. If a slit is "
-                "meant, give each of its two sides a physical curve"
+                f"{mesh.source}: {count(int((~meant).sum()), 'pair')} of vertices at the same place that are "
+                f"not joined, e.g. at {place(mesh.points[first[0]])}: the triangles touch there without "
+                f"holding together. {MERGE}. If a slit is meant, give each of its two sides a named physical "
+                "curve"
             )
         if len(pairs):
             notes.append(
@@ -85,7 +86,9 @@ def sheet_parts(mesh: Mesh) -> Ints:
 def _on_named_curves(mesh: Mesh) -> Bools:
     """(vertex,) whether the vertex belongs to a group of curves or points."""
     named = np.zeros(len(mesh.points), dtype=bool)
-    for group in mesh.groups.values():
+    for name, group in mesh.groups.items():
+        if name == f"{group.dimension}:{group.tag}":  # a number means that nobody thought of this curve
+            continue
         if group.dimension == 1:
             named[mesh.edges[group.members]] = True
         elif group.dimension == 0:
@@ -124,19 +127,18 @@ def _raise_on_hanging_nodes(mesh: Mesh, boundary: Ints, part: Ints, named: Bools
     offset = mesh.points[vertex] - start[edge]
     share = np.sum(offset * along[edge], axis=1) / length[edge] ** 2
     distance = np.linalg.norm(offset - share[:, None] * along[edge], axis=1)
-    hangs = (distance < SAME_PLACE * length[edge]) & ~(
-        # the two sides of a slit may be meshed differently
-        (part[vertex] == part[ends[edge, 0]]) & named[vertex] & named[ends[edge]].all(axis=1)
-    )
+    own = (mesh.triangles[mesh.edge_owner[edges[edge], 0]] == vertex[:, None]).any(axis=1)  # a thin triangle
+    # the two sides of a slit may be meshed differently
+    slit = (part[vertex] == part[ends[edge, 0]]) & named[vertex] & named[ends[edge]].all(axis=1)
+    hangs = (distance < ON_EDGE * length[edge]) & ~own & ~slit
     if hangs.any():
         first = np.flatnonzero(hangs)[0]
         a, b = mesh.points[ends[edge[first]]]
         raise InputError(
             f"{mesh.source}: {count(len(np.unique(vertex[hangs])), 'hanging node')}: the vertex at "
-            f"{place(mesh.points[vertex[first]])} "
-            f"lies inside the edge from {place(a)} to {place(b)} of a triangle it does not belong to, so "
-            f"the two sides can "
-            f"move apart. {MERGE}, so that both sides share one curve, and mesh again"
+            f"{place(mesh.points[vertex[first]])} lies inside the edge from {place(a)} to {place(b)} of a "
+            f"triangle it does not belong to, so the two sides can move apart. {MERGE}, so that both sides "
+            "share one curve, and mesh again"
         )
 
 
@@ -149,8 +151,7 @@ def _parts(mesh: Mesh, part: Ints, n_parts: int) -> list[str]:
         middle = mesh.points[mesh.triangles[inside]].mean(axis=0)
         return [
             f"the mesh falls into {n_parts} parts that are not connected; each needs supports of its own. "
-            f"The smallest has "
-            f"{count(int(sizes[smallest]), 'triangle')} near {place(middle)}"
+            f"The smallest has {count(int(sizes[smallest]), 'triangle')} near {place(middle)}"
         ]
     sheets = sheet_parts(mesh)
     n_sheets = int(sheets.max()) + 1
@@ -163,6 +164,5 @@ def _parts(mesh: Mesh, part: Ints, n_parts: int) -> list[str]:
     pivot = int(np.flatnonzero(seen[:, 0] < seen[:, 1])[0])
     return [
         f"{n_sheets} parts of the mesh hang together by single vertices only, e.g. at "
-        f"{place(mesh.points[pivot])}: "
-        "they can turn about each other there"
+        f"{place(mesh.points[pivot])}: they can turn about each other there"
     ]

@@ -145,9 +145,9 @@ def _version_4(mesh: Mesh, tags: dict[str, int]) -> str:
     n = len(points)
     node_numbers = "".join(f"{k}\n" for k in range(1, n + 1))
     return (
-        f"$Entities\n{' '.join(map(str, counts))}\n{''.join(entities)}$EndEntities\n"
-        f"$Nodes\n1 {n} 1 {n}\n2 1 0 {n}\n{node_numbers}{_rows(points)}$EndNodes\n"
-        f"$Elements\n{len(blocks)} {n_cells} 1 {n_cells}\n{''.join(blocks)}$EndElements\n"
+        f"$Entities\n{' '.join(map(str, counts))}\n{''.join(entities)}$EndEntities\n$Nodes\n1 {n} 1 {n}\n2 1 "
+        f"0 {n}\n{node_numbers}{_rows(points)}$EndNodes\n$Elements\n{len(blocks)} {n_cells} 1 "
+        f"{n_cells}\n{''.join(blocks)}$EndElements\n"
     )
 
 

@@ -6,8 +6,9 @@ into a pattern found beforehand. Peak memory is the matrix and one block.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -30,6 +31,10 @@ class Assembled:
     Attributes
     ----------
     matrix : (unknown, unknown) CSR matrix
+    load : (unknown,) array
+        Of the loads alone.
+    load_work : float
+        Work of the loads on the prescribed motion.
     fixed_load : (unknown,) array
         What prescribed motion contributes to the right-hand side.
     fixed_energy : float
@@ -37,54 +42,99 @@ class Assembled:
     """
 
     matrix: sp.csr_matrix
+    load: Floats
+    load_work: float
     fixed_load: Floats
     fixed_energy: float
 
 
-def assemble_matrix(forms: Sequence[Form], domain: Domain, reduction: Reduction, pattern: Pattern) -> Assembled:
-    """Sum of forms as a matrix on the unknowns, and what prescribed values contribute."""
+def assemble(
+    forms: Sequence[Form], loads: Sequence[LinearForm], domain: Domain, reduction: Reduction, pattern: Pattern
+) -> Assembled:
+    """Sum of forms as a matrix on the unknowns, of loads as a vector, and what prescribed values contribute."""
     data = np.zeros(pattern.entries + 1)
-    fixed_load = np.zeros(reduction.count)
-    fixed_energy = 0.0
-    moved = _moved_triangles(reduction)
-    for form in forms:
-        for positions, triangles in _chunks(form):
-            transform = reduction.layout.element.transformation(domain.affine(triangles))
-            reduced, unknown = reduction.local_transform(triangles, transform)
-            where = pattern.positions(triangles, unknown)
-            np.add.at(data, where.ravel(), form.matrices(positions, reduced).ravel())
-            if moved is not None and moved[triangles].any():
-                here = np.flatnonzero(moved[triangles])
-                g = reduction.particular[reduction.layout.triangle_dofs(triangles[here])]
-                extra = transform[here] @ g[:, :, None]
-                both = form.matrices(positions[here], np.concatenate([reduced[here], extra], axis=2))
-                add_to(fixed_load, unknown[here], -both[:, :-1, -1])
-                fixed_energy += float(both[:, -1, -1].sum())
-    matrix = sp.csr_matrix(
-        (data[:-1], pattern.indices, pattern.indptr), shape=(reduction.count, reduction.count)
-    )
+    fixed_load, fixed_energy = np.zeros(reduction.count), 0.0
+    load, load_work = np.zeros(reduction.count), 0.0
+    quadratic = {id(form) for form in forms}
+    for batch in _batches([*forms, *loads], domain, reduction):
+        if id(batch.part) not in quadratic:
+            add_to(load, batch.unknown, batch.part.vectors(batch.positions, batch.reduced))
+            if batch.moved is not None:
+                here = batch.part.vectors(batch.positions, batch.moved)
+                load_work += float(here.sum())
+            continue
+        blocks = batch.part.matrices(batch.positions, batch.reduced)
+        where = pattern.positions(batch.triangles, batch.dofs, batch.unknown)
+        np.add.at(data, where.ravel(), blocks.ravel())
+        if batch.moved is not None:
+            both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
+            add_to(fixed_load, batch.unknown, -both[:, :-1, -1])
+            fixed_energy += float(both[:, -1, -1].sum())
+    shape = (reduction.count, reduction.count)
+    matrix = sp.csr_matrix((data[:-1], pattern.indices, pattern.indptr), shape=shape)
     matrix.has_sorted_indices = True
-    return Assembled(matrix, fixed_load, fixed_energy)
+    return Assembled(matrix, load, load_work, fixed_load, fixed_energy)
 
 
 def assemble_load(loads: Sequence[LinearForm], domain: Domain, reduction: Reduction) -> tuple[Floats, float]:
     """Sum of loads on the unknowns, and their work on the prescribed motion."""
-    out = np.zeros(reduction.count)
-    work = 0.0
-    moved = _moved_triangles(reduction)
-    for load in loads:
-        for positions, triangles in _chunks(load):
-            transform = reduction.layout.element.transformation(domain.affine(triangles))
-            reduced, unknown = reduction.local_transform(triangles, transform)
-            add_to(out, unknown, load.vectors(positions, reduced))
-            if moved is not None and moved[triangles].any():
-                g = reduction.particular[reduction.layout.triangle_dofs(triangles)]
-                work += float(load.vectors(positions, transform @ g[:, :, None]).sum())
+    out, work = np.zeros(reduction.count), 0.0
+    for batch in _batches(loads, domain, reduction):
+        add_to(out, batch.unknown, batch.part.vectors(batch.positions, batch.reduced))
+        if batch.moved is not None:
+            work += float(batch.part.vectors(batch.positions, batch.moved).sum())
     return out, work
 
 
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Some triangles of a form or load, with the transforms to the unknowns.
+
+    Attributes
+    ----------
+    moved : (n, reference dof, 1) array or None
+        Reference degrees of freedom of the prescribed motion; None where it is zero.
+    """
+
+    part: Any
+    positions: Ints
+    triangles: Ints
+    dofs: Ints
+    reduced: Floats
+    unknown: NDArray[np.int32]
+    moved: Floats | None
+
+
+def _batches(parts: Sequence[Any], domain: Domain, reduction: Reduction) -> Iterator[_Batch]:
+    """All batches; parts that cover the whole plate share the transforms of each block of triangles."""
+    whole = [part for part in parts if part.everywhere]
+    layout, g = reduction.layout, reduction.particular
+    any_moved = bool(np.any(g))
+
+    def batches(using: list[Any], positions: Ints, triangles: Ints) -> Iterator[_Batch]:
+        dofs = layout.triangle_dofs(triangles)
+        transform = layout.element.transformation(domain.affine(triangles))
+        reduced, unknown = reduction.local_transform(triangles, dofs, transform)
+        moved = transform @ g[dofs][:, :, None] if any_moved else None
+        for part in using:
+            yield _Batch(part, positions, triangles, dofs, reduced, unknown, moved)
+
+    if whole:
+        for block in domain.blocks():
+            yield from batches(whole, block, block)
+    for part in parts:
+        if not part.everywhere:
+            for positions, triangles in _chunks(part):
+                yield from batches([part], positions, triangles)
+
+
 def residual(
-    forms: Sequence[Form], loads: Sequence[LinearForm], domain: Domain, reduction: Reduction, d: Floats, where: Ints
+    forms: Sequence[Form],
+    loads: Sequence[LinearForm],
+    domain: Domain,
+    reduction: Reduction,
+    d: Floats,
+    where: Ints,
 ) -> Floats:
     """K d - f on all (physical) degrees of freedom, summed over some triangles only.
 
@@ -118,7 +168,7 @@ def add_to(out: Floats, unknown: NDArray[np.int32], values: Floats) -> None:
     np.add.at(out, unknown[free], values[free])
 
 
-def _chunks(form: Form | LinearForm, wanted: NDArray[np.bool_] | None = None):  # type: ignore[no-untyped-def]
+def _chunks(form: Form | LinearForm, wanted: NDArray[np.bool_] | None = None) -> Iterator[tuple[Ints, Ints]]:
     """The batches of a form, restricted to wanted triangles, none longer than a block."""
     for positions, triangles in form.blocks():
         if wanted is not None:
@@ -126,11 +176,3 @@ def _chunks(form: Form | LinearForm, wanted: NDArray[np.bool_] | None = None):  
             positions, triangles = positions[keep], triangles[keep]
         for start in range(0, len(triangles), BLOCK):
             yield positions[start : start + BLOCK], triangles[start : start + BLOCK]
-
-
-def _moved_triangles(reduction: Reduction) -> NDArray[np.bool_] | None:
-    """Which triangles have prescribed values that are not zero; None when there are none."""
-    if not np.any(reduction.particular):
-        return None
-    dofs = reduction.layout.triangle_dofs(slice(None))
-    return np.any(reduction.particular[dofs] != 0.0, axis=1)

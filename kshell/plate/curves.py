@@ -15,6 +15,7 @@ delta(s)   gamma(s) minus the chord  =  s (1 - s) phi(s), phi a cubic
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,18 +153,17 @@ def _fit_line(
         line, forward = np.roll(line, -shift // step), np.roll(forward, -shift // step)
         corner, jump = (np.append(np.roll(x[:-1], -shift), x[shift]) for x in (corner, jump))
         breaks = np.flatnonzero(corner | jump)
-    bounds = [0, *[b for b in breaks if 0 < b < len(nodes) - 1], len(nodes) - 1]
+    inner = [int(b) for b in breaks if 0 < b < len(nodes) - 1]
+    bounds = [0, *inner, len(nodes) - 1]
     periodic = closed and not len(breaks)
     derivatives = np.empty((len(line), 2, 2, 2))  # (edge, end, first or second by own parameter, xy)
-    for a, b in zip(bounds[:-1], bounds[1:], strict=True):
+    for a, b in pairwise(bounds):
         derivatives[a // step : b // step] = _spline_derivatives(nodes[a : b + 1], step, periodic)
     _store(out, line, forward, nodes[::step], derivatives, jump[::step] & ~corner[::step], closed)
     return float(smooth[worst]), nodes[worst * step] + origin
 
 
-def _breaks(
-    nodes: Floats, step: int, closed: bool
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
+def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
     """Where a line of nodes has corners, where its curvature jumps, and how it turns at each node."""
     n = len(nodes)
     chord = np.diff(nodes, axis=0)

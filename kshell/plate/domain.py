@@ -28,7 +28,7 @@ from kshell.plate.curves import EdgeCurves, edge_curves
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BLOCK = 4096  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
+BLOCK = 1024  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
 GRADIENTS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the barycentric coordinates
 
 
@@ -196,7 +196,9 @@ class Domain:
         xi = affine.reference_coordinates(xy)
         if not self.boundary.curved.any():
             xi = self._on_chord(local, affine.sense[np.arange(len(edges)), local], s)
-        return EdgePatch(edges, triangle.astype(np.int64), xi, xy, length * w, normal * outward[:, None, None])
+        return EdgePatch(
+            edges, triangle.astype(np.int64), xi, xy, length * w, normal * outward[:, None, None]
+        )
 
     @staticmethod
     def _on_chord(local: Ints, sense: Floats, s: Floats) -> Floats:

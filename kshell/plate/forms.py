@@ -25,7 +25,15 @@ VARIABLE_DEGREE = 9  # quadrature where the stiffness varies in a triangle: w'' 
 
 
 class Form(Protocol):
-    """A quadratic form given triangle by triangle; a triangle may occur more than once."""
+    """A quadratic form given triangle by triangle; a triangle may occur more than once.
+
+    Attributes
+    ----------
+    everywhere : bool
+        Whether it covers the plate, in the blocks of its domain.
+    """
+
+    everywhere: bool
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         """Batches: (positions in this form, triangle numbers)."""
@@ -37,6 +45,8 @@ class Form(Protocol):
 @dataclass
 class Bending:
     """Bending energy, integral of kappa^T D kappa."""
+
+    everywhere = True
 
     domain: Domain
     element: PlateElement
@@ -56,7 +66,9 @@ class Bending:
             return matrices.stiffness(self.element, affine, self._constant[positions], transform)
         patch = next(self.domain.patches(self._degree(), positions))
         kappa = matrices.rows(self.element, affine, patch.xi, 2, transform)
-        return matrices.integrate_products(kappa, self.stiffness(patch.triangles, patch.xy, patch.weights), kappa)
+        return matrices.integrate_products(
+            kappa, self.stiffness(patch.triangles, patch.xy, patch.weights), kappa
+        )
 
     def _degree(self) -> int:
         bending_degree = 2 * (self.element.maxdeg - 2)
@@ -78,6 +90,8 @@ class Bending:
 class AreaSpring:
     """Winkler foundation: integral of k w^2 over some triangles."""
 
+    everywhere = False
+
     domain: Domain
     element: PlateElement
     triangles: Ints
@@ -97,6 +111,8 @@ class AreaSpring:
 @dataclass
 class EdgeSpring:
     """Elastic edge: integral of k w^2, or of k w_n^2 for a rotational spring, along edges."""
+
+    everywhere = False
 
     domain: Domain
     element: PlateElement
@@ -124,6 +140,8 @@ class EdgeSpring:
 @dataclass
 class PointSpring:
     """Springs k (row . d)^2 at vertices, each with one row on the physical degrees of freedom of a triangle."""
+
+    everywhere = False
 
     element: PlateElement
     domain: Domain

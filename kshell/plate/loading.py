@@ -28,6 +28,10 @@ LOAD_DEGREE = 6  # polynomial degree of a varying load that is integrated exactl
 class LinearForm(Protocol):
     """A load, triangle by triangle; a triangle may occur more than once."""
 
+    @property
+    def everywhere(self) -> bool:
+        """Whether it covers the plate, in the blocks of its domain."""
+
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         """Batches: (positions in this load, triangle numbers)."""
 
@@ -36,6 +40,9 @@ class LinearForm(Protocol):
 
     def resultant(self, origin: Floats) -> Floats:
         """(3,) force along z, moments about x and y through ``origin``, straight from the data."""
+
+    def gross(self, size: float) -> float:
+        """Sum of absolute forces, moments divided by a size: the scale for errors of equilibrium."""
 
 
 def resultant_of(force: Floats, xy: Floats, origin: Floats) -> Floats:
@@ -52,6 +59,10 @@ class AreaLoad:
     element: PlateElement
     triangles: Ints | None
     pressure: float | Field
+
+    @property
+    def everywhere(self) -> bool:
+        return self.triangles is None
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         for block in self.domain.blocks(self.triangles):
@@ -84,6 +95,10 @@ class AreaLoad:
             total += resultant_of(force, patch.xy, origin)
         return total
 
+    def gross(self, size: float) -> float:
+        patches = self.domain.patches(self._degree(), self.triangles)
+        return float(sum(np.abs(p.weights * self._values(p.triangles, p.xy)).sum() for p in patches))
+
 
 @dataclass
 class EdgeLoad:
@@ -94,6 +109,8 @@ class EdgeLoad:
     edges: Ints
     value: Callable[[Floats], Floats]  # (n, point) at points (n, point, 2)
     moment: bool
+
+    everywhere = False
 
     def __post_init__(self) -> None:
         self.patch: EdgePatch = self.domain.edge_patch(self.edges, self.element.maxdeg + 2)
@@ -116,6 +133,10 @@ class EdgeLoad:
         normal = self.patch.normal
         return np.array([0.0, -(value * normal[..., 1]).sum(), (value * normal[..., 0]).sum()])
 
+    def gross(self, size: float) -> float:
+        total = np.abs(self.value(self.patch.xy) * self.patch.weights).sum()
+        return float(total / size if self.moment else total)
+
 
 @dataclass
 class PointLoad:
@@ -128,6 +149,8 @@ class PointLoad:
     total: Floats  # (3,) force, moments about x and y through the vertex
     xy: Floats  # (2,) where
 
+    everywhere = False
+
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         yield np.arange(len(self.triangles)), self.triangles
 
@@ -139,6 +162,9 @@ class PointLoad:
     def resultant(self, origin: Floats) -> Floats:
         return np.array([0.0, *self.total[1:]]) + resultant_of(self.total[:1], self.xy[None], origin)
 
+    def gross(self, size: float) -> float:
+        return float(np.abs(self.total / np.array([1.0, size, size])).max())
+
 
 @dataclass
 class CurvatureLoad:
@@ -147,6 +173,10 @@ class CurvatureLoad:
     bending: Bending
     triangles: Ints | None
     curvature: Callable[[Floats], Floats]  # (n, point, 3) at points (n, point, 2)
+
+    @property
+    def everywhere(self) -> bool:
+        return self.triangles is None
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         for block in self.bending.domain.blocks(self.triangles):
@@ -171,3 +201,13 @@ class CurvatureLoad:
 
     def resultant(self, origin: Floats) -> Floats:
         return np.zeros(3)  # self-equilibrated
+
+    def gross(self, size: float) -> float:
+        """The largest moment per length that holding the curvature back would take: a force."""
+        patches = self.bending.domain.patches(2, self.triangles)
+        return float(
+            max(
+                np.abs(self.bending.at(p.triangles, p.xy) @ self.curvature(p.xy)[..., None]).max()
+                for p in patches
+            )
+        )

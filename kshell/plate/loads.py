@@ -52,7 +52,9 @@ class Loads:
         return total
 
 
-def apply_loads(loads: list[Any], domain: Domain, layout: Layout, bending: Bending, section: Section) -> Loads:
+def apply_loads(
+    loads: list[Any], domain: Domain, layout: Layout, bending: Bending, section: Section
+) -> Loads:
     """Translate the loads of a scene.
 
     Raises
@@ -149,7 +151,9 @@ class _Builder:
                 f"{load}: the edge at {place(where)} lies inside the plate, where a bending moment has no outward "
                 "side; put it on a boundary edge, or use initial_curvature"
             )
-        form = EdgeLoad(self.domain, self.element, edges, lambda xy: load.at(points_3d(self.domain, xy)), moment=True)
+        form = EdgeLoad(
+            self.domain, self.element, edges, lambda xy: load.at(points_3d(self.domain, xy)), moment=True
+        )
         self.out.forms.append(form)
 
     def _point_force(self, load: Any) -> None:

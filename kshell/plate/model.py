@@ -76,12 +76,14 @@ def solve_plate(
         plate_problems(mesh)
         choice = choose_element(options, mesh)
         problem = PlateProblem(scene, mesh, choice.element)
-        matrix, load = problem.assembled, problem.load
+        system = problem.assembled
     with clock.stage("solve"):
-        solution = _solve(problem, matrix.fixed_load + load[0], options)
-        d = problem.reduction.expand(solution.x)
+        solution = _solve(problem, system.fixed_load + system.load, options)
+        d = problem.reduction.expand(np.asarray(solution.x, dtype=np.float64))
         if not np.isfinite(d).all():
-            raise SolveError("the solution is not finite: check the magnitudes of stiffness and loads", state=d)
+            raise SolveError(
+                "the solution is not finite: check the magnitudes of stiffness and loads", state=d
+            )
     with clock.stage("recover"):
         result = _recover(scene, problem, d, solution)
     reasons = ["kind plate: the mesh is flat", choice.reason, "linear: only small deflections are computed"]
@@ -123,7 +125,7 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
             "digits; look for very small or very thin triangles (`kshell check`)"
         )
     probes, probe_warnings = _probes(scene, mesh, fields)
-    strain_energy, work = problem.energies(solution.x)
+    strain_energy, work = problem.energies(np.asarray(solution.x, dtype=np.float64))
     error = no_error_estimate()
     error["budget"]["algebra"] = float(solution.energy_error)
     return Result(

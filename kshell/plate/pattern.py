@@ -1,7 +1,9 @@
 """The sparsity pattern of a plate matrix, built once from the mesh, and the map of element entries into it.
 
-Vertices and edges (nodes, here) couple as whole blocks, so the pattern is found between nodes (36 pairs
-per triangle) and expanded to unknowns; no list of all element entries is ever sorted or stored.
+Vertices and edges (nodes, here) couple as whole blocks. Which pairs of nodes couple follows from the mesh: a vertex
+with itself, with the other end of an edge, with an edge it ends, with an edge opposite to it; an edge with itself and
+with the others of its triangle. Numbering these pairs directly gives every triangle its 36 pairs without any search,
+and no list of all element entries is ever sorted or stored.
 """
 
 from __future__ import annotations
@@ -10,9 +12,77 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.plate.reduction import Reduction
 
 Ints = NDArray[np.int64]
+Ints32 = NDArray[np.int32]
+
+OPPOSITE_EDGE = (1, 2, 0)  # the local edge that does not touch local vertex 0, 1, 2
+
+
+class NodePairs:
+    """The coupled pairs of nodes of a mesh: vertices first, then edges.
+
+    Attributes
+    ----------
+    indptr, columns : int arrays
+        For each node the nodes it couples with, sorted.
+    slot : (pair,) int array
+        Position in `columns` of each pair, by pair number.
+    """
+
+    def __init__(self, mesh: Mesh) -> None:
+        self.mesh = mesh
+        nv, ne = len(mesh.points), len(mesh.edges)
+        low, high = mesh.edges.T
+        v, e = np.arange(nv, dtype=np.int32), np.arange(nv, nv + ne, dtype=np.int32)
+        opposite = mesh.triangles.ravel()
+        facing = nv + mesh.triangle_edges[:, OPPOSITE_EDGE].ravel()
+        sides = nv + mesh.triangle_edges
+        first, second = sides[:, [0, 0, 1, 1, 2, 2]].ravel(), sides[:, [1, 2, 0, 2, 0, 1]].ravel()
+        blocks = (
+            (v, v), (low, high), (high, low),  # vertices
+            (low, e), (high, e), (e, low), (e, high), (opposite, facing), (facing, opposite),  # mixed
+            (e, e), (first, second),  # edges
+        )  # fmt: skip
+        self._starts = np.concatenate([[0], np.cumsum([len(row) for row, _ in blocks])]).astype(np.int32)
+        count = int(self._starts[-1])
+        row = np.concatenate([row for row, _ in blocks], dtype=np.int32, casting="unsafe")
+        column = np.concatenate([column for _, column in blocks], dtype=np.int32, casting="unsafe")
+        number = np.arange(count, dtype=np.int32)
+        graph = sp.csr_matrix((number, (row, column)), shape=(nv + ne, nv + ne))
+        graph.sort_indices()
+        self.indptr, self.columns = graph.indptr, graph.indices
+        self.slot = np.empty(count, dtype=np.int32)
+        self.slot[graph.data] = number
+
+    def of_triangles(self, triangles: Ints) -> Ints32:
+        """(n, 6, 6) slots of the pairs of each triangle's nodes: three vertices, three edges."""
+        mesh, s = self.mesh, self._starts
+        corner, edge = mesh.triangles[triangles], mesh.triangle_edges[triangles]
+        t = np.asarray(triangles, dtype=np.int32)
+        n_e = np.int32(len(mesh.edges))
+        out = np.empty((6, 6, len(t)), dtype=np.int32)
+        for a in range(3):
+            out[a, a] = corner[:, a]
+            out[3 + a, 3 + a] = s[9] + edge[:, a]
+            facing = 3 + OPPOSITE_EDGE[a]
+            out[a, facing] = s[7] + 3 * t + a
+            out[facing, a] = s[8] + 3 * t + a
+        for k, (a, b) in enumerate(EDGE_VERTICES):
+            backwards = n_e * (
+                corner[:, a] > corner[:, b]
+            )  # the second half of each list is for the higher end
+            out[a, b] = s[1] + edge[:, k] + backwards
+            out[b, a] = s[1] + edge[:, k] + (n_e - backwards)
+            out[a, 3 + k] = s[3] + edge[:, k] + backwards
+            out[b, 3 + k] = s[3] + edge[:, k] + (n_e - backwards)
+            out[3 + k, a] = s[5] + edge[:, k] + backwards
+            out[3 + k, b] = s[5] + edge[:, k] + (n_e - backwards)
+        for number, (i, j) in enumerate(((0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1))):
+            out[3 + i, 3 + j] = s[10] + 6 * t + number
+        return self.slot[out.transpose(2, 0, 1)]
 
 
 class Pattern:
@@ -22,6 +92,7 @@ class Pattern:
     ----------
     indptr, indices : int arrays
         As in scipy's CSR; 32 bit where the number of entries allows it.
+    entries : int
     """
 
     def __init__(self, reduction: Reduction) -> None:
@@ -29,68 +100,52 @@ class Pattern:
         mesh, b = layout.mesh, layout.per_vertex
         self.reduction = reduction
         n_vertices, n_edges = len(mesh.points), len(mesh.edges)
-        n_nodes = n_vertices + n_edges
         free = reduction.unknown >= 0
         sizes = np.concatenate(
             [free[: b * n_vertices].reshape(n_vertices, b).sum(axis=1), free[b * n_vertices :]]
         ).astype(np.int64)
         starts = np.concatenate([[0], np.cumsum(sizes)])  # first unknown of each node
 
-        self.nodes = np.concatenate([mesh.triangles, n_vertices + mesh.triangle_edges], axis=1)  # (triangle, 6)
-        graph = self._node_graph(n_nodes)
-        near_size = sizes[graph.indices]
+        self.pairs = NodePairs(mesh)
+        near_size = sizes[self.pairs.columns]
         before = np.concatenate([[0], np.cumsum(near_size)])
-        # offset of each neighbour's columns within the rows of a node
-        self.offsets = before[:-1] - np.repeat(before[graph.indptr[:-1]], np.diff(graph.indptr))
-        width = before[graph.indptr[1:]] - before[graph.indptr[:-1]]  # entries in each row of a node
-        row_width = np.repeat(width, sizes)
-        indptr = np.concatenate([[0], np.cumsum(row_width)])
+        first_of_row = before[self.pairs.indptr]
+        width = np.diff(first_of_row)  # entries in each row of a node
+        # where a neighbour's columns begin within the rows of a node
+        self._offset = before[:-1] - np.repeat(first_of_row[:-1], np.diff(self.pairs.indptr))
+        indptr = np.concatenate([[0], np.cumsum(np.repeat(width, sizes))])
         self.entries = int(indptr[-1])
         kind = np.int32 if self.entries < 2**31 else np.int64
         self.indptr = indptr.astype(kind)
-
-        # columns: for every row of a node the same list of unknowns of its neighbours
         self.indices = np.empty(self.entries, dtype=kind)
         for size in np.unique(sizes[sizes > 0]):
-            self._fill_columns(graph, np.flatnonzero(sizes == size), int(size), sizes, starts)
-        self.graph = graph
-        self.first_row = indptr[starts[:-1]]  # position of the first entry of the first row of each node
-        self.width = width
-        # rank of each degree of freedom among the free ones of its node
+            self._fill_columns(np.flatnonzero(sizes == size), int(size), sizes, starts, width)
+
         node_of_dof = np.concatenate([np.repeat(np.arange(n_vertices), b), n_vertices + np.arange(n_edges)])
-        self.rank = np.where(free, reduction.unknown - starts[node_of_dof], -1).astype(np.int64)
+        rank = np.where(free, reduction.unknown - starts[node_of_dof], 0)  # among the unknowns of the node
+        self._rank = rank.astype(np.int32)
+        self._row_start = (indptr[starts[:-1]][node_of_dof] + rank * width[node_of_dof]).astype(kind)
 
-    def _node_graph(self, n_nodes: int) -> sp.csr_matrix:
-        """Which nodes share a triangle, columns sorted."""
-        rows = np.repeat(np.arange(len(self.nodes) + 1, dtype=np.int32)[:-1], 6)
-        member = sp.csr_matrix(
-            (np.ones(self.nodes.size, dtype=np.int8), (rows, self.nodes.ravel())),
-            shape=(len(self.nodes), n_nodes),
-        )
-        graph = (member.T @ member).tocsr()
-        graph.sort_indices()
-        return graph
-
-    def _fill_columns(
-        self, graph: sp.csr_matrix, nodes: Ints, size: int, sizes: Ints, starts: Ints
-    ) -> None:
+    def _fill_columns(self, nodes: Ints, size: int, sizes: Ints, starts: Ints, width: Ints) -> None:
         """Write the column numbers of all rows of nodes that have ``size`` unknowns."""
-        counts = np.diff(graph.indptr)[nodes]
-        link = _ranges(graph.indptr[nodes].astype(np.int64), counts)
-        near = graph.indices[link]
-        columns = _ranges(starts[near], sizes[near])
-        width = np.zeros(len(nodes), dtype=np.int64)
-        np.add.at(width, np.repeat(np.arange(len(nodes)), counts), sizes[near])
+        begin = self.pairs.indptr[nodes].astype(np.int64)
+        near = self.pairs.columns[ranges(begin, self.pairs.indptr[nodes + 1] - begin)]
+        columns = ranges(starts[near], sizes[near])
         place = self.indptr[starts[nodes]].astype(np.int64)
+        if len(self.indices) == len(columns):  # one unknown at every node: the columns are complete
+            self.indices[:] = columns
+            return
         for r in range(size):
-            self.indices[_ranges(place + r * width, width)] = columns
+            self.indices[ranges(place + r * width[nodes], width[nodes])] = columns
 
-    def positions(self, triangles: Ints, unknown: NDArray[np.int32]) -> NDArray[np.intp]:
+    def positions(self, triangles: Ints, dofs: Ints, unknown: Ints32) -> NDArray[np.intp]:
         """Where the entries of element matrices go in the data array.
 
         Parameters
         ----------
         triangles : (n,) int array
+        dofs : (n, local) int array
+            Their degrees of freedom.
         unknown : (n, local) int array
             Unknown numbers, -1 for fixed columns.
 
@@ -98,38 +153,21 @@ class Pattern:
         -------
         (n, local, local) int array; entries of fixed rows or columns point one past the end.
         """
-        b = self.reduction.layout.per_vertex
-        nodes = self.nodes[triangles]  # (n, 6)
-        pairs = self._pairs(nodes)  # (n, 6, 6) offsets of the neighbour's columns
-        local_node = np.concatenate([np.repeat(np.arange(3), b), [3, 4, 5]])
-        rank = self.rank[self.reduction.layout.triangle_dofs(triangles)]  # (n, local)
-        row = self.first_row[nodes][:, local_node] + rank * self.width[nodes][:, local_node]
-        out = row[:, :, None] + pairs[:, local_node][:, :, local_node] + rank[:, None, :]
+        layout = self.reduction.layout
+        offset = self._offset[self.pairs.of_triangles(triangles)]  # (n, 6, 6)
+        if layout.per_vertex > 1:
+            local_node = np.concatenate([np.repeat(np.arange(3), layout.per_vertex), [3, 4, 5]])
+            offset = offset[:, local_node][:, :, local_node] + self._rank[dofs][:, None, :]
+        out = offset + self._row_start[dofs][:, :, None]
         fixed = unknown < 0
-        out[fixed[:, :, None] | fixed[:, None, :]] = self.entries
+        if fixed.any():
+            out[fixed[:, :, None] | fixed[:, None, :]] = self.entries
         return out
 
-    def _pairs(self, nodes: Ints) -> Ints:
-        """(n, 6, 6) offset of node j's columns within node i's rows."""
-        n = len(nodes)
-        row = np.repeat(nodes, 6, axis=1).ravel()
-        column = np.tile(nodes, (1, 6)).ravel()
-        low = self.graph.indptr[row].astype(np.int64)
-        high = self.graph.indptr[row + 1].astype(np.int64)
-        while True:  # bisection in the sorted columns of each row, all at once
-            active = high - low > 1
-            if not active.any():
-                break
-            middle = (low + high) // 2
-            right = self.graph.indices[middle] <= column
-            low = np.where(active & right, middle, low)
-            high = np.where(active & ~right, middle, high)
-        return self.offsets[low].reshape(n, 6, 6)
 
-
-def _ranges(starts: Ints, counts: Ints) -> Ints:
+def ranges(starts: Ints, counts: Ints) -> Ints:
     """Concatenation of start, start + 1, ... for each start and count."""
-    starts, counts = np.asarray(starts, dtype=np.int64), np.asarray(counts, dtype=np.int64)
-    total = int(counts.sum())
+    if len(counts) == 0 or counts.max() <= 1:
+        return starts[counts > 0]
     ends = np.cumsum(counts)
-    return np.arange(total) + np.repeat(starts - (ends - counts), counts)
+    return np.arange(ends[-1]) + np.repeat(starts - (ends - counts), counts)

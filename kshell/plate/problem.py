@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ from kshell.elements import ElementArgyris, ElementMorley, PlateElement
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.options import SolveOptions
-from kshell.plate.assembly import Assembled, assemble_load, assemble_matrix
+from kshell.plate.assembly import Assembled, assemble, assemble_load
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending, Form
 from kshell.plate.layout import Layout
@@ -81,7 +81,9 @@ class PlateProblem:
         self.section: Section = plate_section(mesh, scene.thickness, scene.material, scene.layers)
         self.bending = Bending(self.domain, element, self.section)
         self.supports: Supports = apply_supports(list(scene.supports), self.domain, self.layout)
-        self.loads: Loads = apply_loads(list(scene.loads), self.domain, self.layout, self.bending, self.section)
+        self.loads: Loads = apply_loads(
+            list(scene.loads), self.domain, self.layout, self.bending, self.section
+        )
         springs = [form for _, form in self.supports.springs]
         require_held(self.domain, self.layout, self.supports.conditions, springs)
         self.reduction = Reduction(self.layout, self.supports.conditions)
@@ -89,18 +91,21 @@ class PlateProblem:
 
     @cached_property
     def assembled(self) -> Assembled:
-        """Matrix on the unknowns and the share of prescribed motion."""
-        return assemble_matrix(self.forms, self.domain, self.reduction, Pattern(self.reduction))
-
-    @cached_property
-    def load(self) -> tuple[Floats, float]:
-        """Load on the unknowns, and its work on the prescribed motion."""
-        return assemble_load(self.loads.forms, self.domain, self.reduction)
+        """Matrix and loads on the unknowns, and the share of prescribed motion."""
+        pattern = Pattern(self.reduction)
+        return assemble(self.forms, self.loads.forms, self.domain, self.reduction, pattern)
 
     @cached_property
     def space(self) -> PlateSpace:
         """For multigrid, and for naming what moves freely."""
-        return plate_space(self.domain, self.layout, self.supports.conditions, self.reduction)
+        space = plate_space(self.domain, self.layout, self.supports.conditions, self.reduction)
+        every = np.arange(len(self.mesh.triangles))
+        centres = self.mesh.points[self.mesh.triangles].mean(axis=1)
+        bending = self.section.bending(every, centres[:, None])[:, 0]
+        stiffness = bending[:, 0, 0] + bending[:, 1, 1]
+        if stiffness.max() < 2.0 * stiffness.min():
+            return space
+        return replace(space, stiffness=stiffness)  # coarse levels follow its jumps
 
     def energies(self, q: Floats) -> tuple[float, float]:
         """Strain energy, and the work of the loads when they are applied slowly.
@@ -108,9 +113,9 @@ class PlateProblem:
         For a plate with supports at rest both are equal; prescribed motion does work too, initial
         curvature stores energy when it is held back.
         """
-        a, load = self.assembled, self.load
+        a = self.assembled
         elastic = float(0.5 * (q @ (a.matrix @ q)) - q @ a.fixed_load + 0.5 * a.fixed_energy)
-        work = 0.5 * (float(q @ load[0]) + load[1])
+        work = 0.5 * (float(q @ a.load) + a.load_work)
         if not self.loads.curvatures:
             return elastic, work
         fixed, fixed_work = assemble_load(list(self.loads.curvatures), self.domain, self.reduction)

@@ -36,7 +36,7 @@ class Reactions:
         force (3,), moment (3,) about the origin of the coordinates, corners: concentrated forces at corners
         of the plate, part of force.
     balance : float
-        What loads and reactions leave over, relative to the larger of both.
+        What loads and reactions leave over, relative to the largest of them.
     """
 
     groups: dict[str, dict[str, Any]]
@@ -163,13 +163,14 @@ class ReactionFinder:
         return out
 
     def _balance(self, totals: dict[str, Floats], loads: list[LinearForm]) -> float:
-        """Relative error of equilibrium of forces and of moments about the centre."""
+        """Error of equilibrium of forces, and of moments about the centre, relative to what acts."""
         scale = np.array([1.0, 1.0 / self.size, 1.0 / self.size])
         parts = [load.resultant(self.centre) * scale for load in loads]
         parts += [total * scale for total in totals.values()]
         if not parts:
             return 0.0
-        return float(np.abs(np.sum(parts, axis=0)).max() / max(np.abs(parts).max(), 1e-300))
+        largest = max(float(np.abs(parts).max()), *(load.gross(self.size) for load in loads), 1e-300)
+        return float(np.abs(np.sum(parts, axis=0)).max() / largest)
 
     def _corner_forces(self, fields: Fields) -> list[dict[str, Any]]:
         """Concentrated reactions where two edges that hold w meet at a corner: the jump of M_nt."""
@@ -206,7 +207,7 @@ class ReactionFinder:
         mesh = self.domain.mesh
         triangle, local = mesh.edge_owner[edge]
         corners = mesh.triangles[triangle]
-        a, b = ((0, 1), (1, 2), (2, 0))[local]  # counter-clockwise
+        a = (0, 1, 2)[local]  # where the edge starts, walked counter-clockwise
         leaves = corners[a] == vertex
         t = tangent if mesh.edges[edge, 0] == corners[a] else -tangent
         n = np.array([t[1], -t[0]])

@@ -160,7 +160,7 @@ class Fields:
         gram += 1e-10 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         unused = gram[:, 0, 0] == 0
         gram[unused] = np.eye(3)
-        c = np.linalg.solve(gram, right)  # (vertex, 1 x y, moment)
+        c: Floats = np.linalg.solve(gram, right).astype(np.float64)  # (vertex, 1 x y, moment)
         slope = c[:, 1:] / h[:, None, None]
         shear = np.stack([slope[:, 0, 0] + slope[:, 1, 2], slope[:, 0, 2] + slope[:, 1, 1]], axis=1)
         return c[:, 0], shear

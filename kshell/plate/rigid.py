@@ -10,7 +10,6 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from kshell.elements import matrices
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
@@ -39,7 +38,10 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
     piece_of_vertex[mesh.triangles.ravel()] = np.repeat(piece, 3)
     for vertices, rows in zip(conditions.vertices, conditions.rows, strict=True):
         member = piece_of_vertex[vertices]
-        add((rows[:, None] @ _rigid_at_vertices(layout, vertices, centres[member], sizes[member]))[:, 0], member)
+        add(
+            (rows[:, None] @ _rigid_at_vertices(layout, vertices, centres[member], sizes[member]))[:, 0],
+            member,
+        )
     edge_piece = piece[mesh.edge_owner[:, 0]]
     for edges in conditions.edges:
         member = edge_piece[edges]
@@ -101,7 +103,9 @@ def _rigid_at_vertices(layout: Layout, vertices: Ints, centre: Floats, size: Flo
     return out
 
 
-def _rigid_of_triangles(domain: Domain, layout: Layout, triangles: Ints, centre: Floats, size: Floats) -> Floats:
+def _rigid_of_triangles(
+    domain: Domain, layout: Layout, triangles: Ints, centre: Floats, size: Floats
+) -> Floats:
     """(n, local, 3) physical degrees of freedom of the three rigid motions in triangles."""
     b = layout.per_vertex
     affine = domain.affine(triangles)
@@ -115,7 +119,9 @@ def _rigid_of_triangles(domain: Domain, layout: Layout, triangles: Ints, centre:
     return out
 
 
-def _words(free: Floats, centre: Floats, size: float, pieces: int, mesh: Mesh, inside: NDArray[np.bool_]) -> str:
+def _words(
+    free: Floats, centre: Floats, size: float, pieces: int, mesh: Mesh, inside: NDArray[np.bool_]
+) -> str:
     where = ""
     if pieces > 1:
         spot = mesh.points[mesh.triangles[inside]].mean(axis=(0, 1))[:2]
@@ -123,7 +129,7 @@ def _words(free: Floats, centre: Floats, size: float, pieces: int, mesh: Mesh, i
     if free.shape[1] == 3:
         return (
             f"the plate{where} is not held: it can move along z and tilt freely; add supports, for example "
-            'clamped or simply_supported on a curve group, or z on three points'
+            "clamped or simply_supported on a curve group, or z on three points"
         )
     if free.shape[1] == 2:
         # all remaining motions vanish at one point, or all are tilts (w prescribed nowhere)

@@ -85,7 +85,9 @@ def apply_supports(supports: list[Any], domain: Domain, layout: Layout) -> Suppo
     """
     builder = _Builder(domain, layout)
     for support in supports:
-        names = support.on if isinstance(support.on, tuple) and isinstance(support.on[0], str) else (support.on,)
+        names = (
+            support.on if isinstance(support.on, tuple) and isinstance(support.on[0], str) else (support.on,)
+        )
         for on in names:
             builder.add(support, on)
     return builder.out
@@ -154,7 +156,9 @@ class _Builder:
 
     def _surface(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
         if not holds_w:
-            raise InputError(f"{what} on '{selection.label}': on a surface hold the deflection too (freedom z)")
+            raise InputError(
+                f"{what} on '{selection.label}': on a surface hold the deflection too (freedom z)"
+            )
         vertices = np.unique(self.mesh.triangles[selection.members]).astype(np.int64)
         value = self._value(support, self.domain.points[vertices])
         if np.ptp(value) > 1e-12 * np.abs(value).max():
@@ -185,7 +189,10 @@ class _Builder:
             for name in ("edges", "tangent", "curvature", "shape")
         ]
         worse = own if own.sharpest > boundary.sharpest else boundary
-        return EdgeCurves(*joined, worse.sharpest, worse.sharpest_at)
+        edges, tangent, curvature, shape = joined
+        return EdgeCurves(
+            edges.astype(np.int32), tangent, curvature, shape, worse.sharpest, worse.sharpest_at
+        )
 
     def _edges(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
         edges = selection.members.astype(np.int64)
@@ -213,7 +220,9 @@ class _Builder:
         if holds_r:
             self._edge_slopes(edges, curves)
         held_vertices = vertices if holds_w or self.rich else NONE
-        group = HeldGroup(selection.label, held_vertices, edges if holds_r else NONE, edges if holds_w else NONE)
+        group = HeldGroup(
+            selection.label, held_vertices, edges if holds_r else NONE, edges if holds_w else NONE
+        )
         self.out.held.append(group)
 
     def _edge_end(
@@ -249,7 +258,11 @@ class _Builder:
         x = np.linalg.solve(vandermonde, patch.xy.transpose(1, 0, 2).reshape(6, -1)).reshape(6, -1, 2)
         power = np.arange(6)
         for end, s in enumerate((0.0, 1.0)):
-            at = [s**power, power * s ** np.maximum(power - 1, 0), power * (power - 1) * s ** np.maximum(power - 2, 0)]
+            at = [
+                s**power,
+                power * s ** np.maximum(power - 1, 0),
+                power * (power - 1) * s ** np.maximum(power - 2, 0),
+            ]
             value, first, second = (weights @ c for weights in at)
             velocity, acceleration = (np.einsum("k,kex->ex", weights, x) for weights in at[1:])
             speed = np.hypot(velocity[:, 0], velocity[:, 1])
@@ -303,7 +316,9 @@ class _Builder:
         label = selection.label
         if selection.dimension == 2:
             if "r" in support.freedoms:
-                raise InputError(f"{what} on '{label}': a rotation spring needs a curve or a point, not a surface")
+                raise InputError(
+                    f"{what} on '{label}': a rotation spring needs a curve or a point, not a surface"
+                )
             self.out.springs.append((label, AreaSpring(self.domain, element, members, stiffness)))
         elif selection.dimension == 1:
             for freedom in support.freedoms:

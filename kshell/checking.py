@@ -1,0 +1,128 @@
+"""What is in a scene and what is wrong with it, without solving: the work of `kshell check`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from kshell.errors import InputError
+from kshell.loads import Load, Temperature
+from kshell.mesh import Mesh, check, select
+from kshell.mesh.check import Quality, Summary
+from kshell.places import Place
+from kshell.scene import Scene
+from kshell.section import plate_section
+from kshell.supports import Elastic, Support
+
+# below this angle a triangle spoils the accuracy around it
+SLIVER = 5.0
+
+
+@dataclass
+class Findings:
+    """What a check found.
+
+    Attributes
+    ----------
+    summary, quality : of the mesh
+    model : list of str
+        What would be modelled and why; empty for a mesh alone.
+    warnings : list of str
+        Worth knowing; does not stop a solve.
+    problems : list of str
+        Each would stop a solve.
+    """
+
+    summary: Summary
+    quality: Quality
+    model: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+
+def check_mesh(mesh: Mesh) -> Findings:
+    """Groups, sizes and quality of a mesh, and whether it can be a plate."""
+    found = Findings(check.summary(mesh), check.quality(mesh))
+    found.warnings.extend(mesh.notes)
+    worst = found.quality
+    if worst.min_angle < SLIVER:
+        x, y, _ = worst.min_angle_at
+        found.warnings.append(
+            f"the thinnest triangle, at ({x:.4g}, {y:.4g}), has an angle of {worst.min_angle:.2g} degrees: "
+            "accuracy suffers there; mesh with a more even size"
+        )
+    _collect(found, lambda: check.plate_problems(mesh))
+    return found
+
+
+def check_scene(scene: Scene, mesh: Mesh) -> Findings:
+    """What would be modelled, and everything that would stop a solve."""
+    found = check_mesh(mesh)
+    if found.problems:
+        return found
+    _collect(found, lambda: _check_section(scene, mesh))
+    for support in scene.supports:
+        _collect(found, partial(check_support, mesh, support))
+    for load in scene.loads:
+        _collect(found, partial(check_load, mesh, load))
+    if not found.problems:
+        _collect(found, lambda: _check_model(scene, mesh, found))
+    return found
+
+
+def _collect(found: Findings, look: Callable[[], object]) -> None:
+    """Note what is wrong and go on: a check names everything it finds."""
+    try:
+        look()
+    except InputError as error:
+        found.problems.append(str(error))
+
+
+def _check_section(scene: Scene, mesh: Mesh) -> None:
+    plate_section(mesh, scene.thickness, scene.material, scene.layers)
+
+
+def check_support(mesh: Mesh, support: Support) -> None:
+    """Raise InputError if the support is on nothing, or what it prescribes has no value at some vertex."""
+    points = _vertices(mesh, support.on, str(support))
+    support.translation_at(points)
+    if isinstance(support, Elastic):
+        support.stiffness_at(points)
+
+
+def check_load(mesh: Mesh, load: Load) -> None:
+    """Raise InputError if the load is on nothing, or has no finite value at some vertex.
+
+    Quadrature points lie inside triangles: without this a pole on a vertex or edge goes unnoticed.
+    """
+    points = mesh.points if load.on is None else _vertices(mesh, load.on, str(load))
+    if isinstance(load, Temperature):
+        load.curvature_at(points)
+        load.strain_at(points)
+    else:
+        load.at(points)
+
+
+def _vertices(mesh: Mesh, on: Place, what: str) -> np.ndarray:
+    chosen = select(mesh, on, what=what)
+    if chosen.dimension == 0:
+        return mesh.points[chosen.members]
+    corners = mesh.edges if chosen.dimension == 1 else mesh.triangles
+    return mesh.points[np.unique(corners[chosen.members])]
+
+
+def _check_model(scene: Scene, mesh: Mesh, found: Findings) -> None:
+    """Set up the plate as a solve does, without assembling."""
+    from kshell.plate.problem import PlateProblem, choose_element
+
+    choice = choose_element(scene.solve, mesh)
+    problem = PlateProblem(scene, mesh, choice.element)
+    found.model = [
+        "plate: the mesh is flat, bending alone is computed",
+        choice.reason,
+        f"{problem.reduction.count} unknowns, small deflections",
+    ]
+    found.warnings.extend(problem.warnings())

@@ -1,0 +1,303 @@
+"""The command line: `kshell solve` and `kshell check`.
+
+Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
+traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kshell.errors import InputError, KshellError, KshellWarning, SolveError
+
+if TYPE_CHECKING:
+    from kshell.result import Result
+    from kshell.scene import Scene
+
+ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
+COMMANDS = ("solve", "check")
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="kshell",
+    help="Finite elements for thin plates: a gmsh mesh goes in, a checked answer comes out.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+Source = Annotated[
+    Path, typer.Argument(metavar="SCENE.toml|MESH", help="A scene file, or a mesh or geometry file.")
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Replace a value of the scene file, e.g. load.0.value=2000. Repeatable.",
+    ),
+]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
+
+# on a mesh file the plate is described by options; on a scene file --set changes it
+DESCRIBING = (
+    "thickness",
+    "E",
+    "nu",
+    "density",
+    "clamped",
+    "supported",
+    "symmetry",
+    "pressure",
+    "mesh_size",
+    "mesh_order",
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from kshell import __version__
+
+        typer.echo(f"kshell {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def solve(
+    source: Source,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Write result.json and result.vtu here."),
+    ] = None,
+    json: Annotated[
+        str | None,
+        typer.Option(
+            "--json", metavar="FILE|-", help="Write result.json to FILE; - is stdout, and nothing else there."
+        ),
+    ] = None,
+    plot: Annotated[
+        bool,
+        typer.Option("--plot", help="Write pictures too; without -o into a folder named after the scene."),
+    ] = False,
+    set_: Overrides = None,
+    thickness: Annotated[
+        str | None, typer.Option(help="Of a mesh file: number or expression in x, y, z.", show_default=False)
+    ] = None,
+    E: Annotated[float | None, typer.Option("--E", help="Young's modulus.")] = None,
+    nu: Annotated[float | None, typer.Option("--nu", help="Poisson's ratio, -1 < nu < 1/2.")] = None,
+    density: Annotated[float | None, typer.Option(help="Mass per volume.")] = None,
+    clamped: Annotated[
+        list[str] | None, typer.Option(metavar="GROUP", help="Clamped group. Repeatable.")
+    ] = None,
+    supported: Annotated[
+        list[str] | None, typer.Option(metavar="GROUP", help="Simply supported group. Repeatable.")
+    ] = None,
+    symmetry: Annotated[
+        list[str] | None, typer.Option(metavar="GROUP", help="Group on a plane of symmetry. Repeatable.")
+    ] = None,
+    pressure: Annotated[
+        str | None, typer.Option(help="Force per area along +z: number or expression in x, y, z.")
+    ] = None,
+    mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
+    mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,
+    element: Annotated[str | None, typer.Option(metavar="auto|morley|argyris", help="Which element.")] = None,
+    solver: Annotated[
+        str | None, typer.Option(metavar="auto|direct|multigrid", help="How the linear system is solved.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Solve a scene file, or a mesh file described by options."""
+    plate = {
+        "thickness": thickness,
+        "E": E,
+        "nu": nu,
+        "density": density,
+        "clamped": clamped,
+        "supported": supported,
+        "symmetry": symmetry,
+        "pressure": pressure,
+        "mesh_size": mesh_size,
+        "mesh_order": mesh_order,
+    }
+    begin = time.perf_counter()
+    scene = _scene(source, plate, set_ or [])
+    options = {key: value for key, value in (("element", element), ("solver", solver)) if value is not None}
+    result = _solve(scene, options)
+    written: list[str] = []
+    folder = output or (Path(f"{source.stem}-result") if plot else None)
+    if folder is not None:
+        written += result.save(folder, plots=plot)
+    written += _write_json(result, json)
+    if json != "-":
+        from kshell.terminal import print_result
+
+        print_result(result, written, time.perf_counter() - begin)
+
+
+@app.command()
+def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
+    """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
+    from kshell.checking import check_mesh, check_scene
+    from kshell.terminal import print_findings
+
+    if _is_scene(source):
+        from kshell.scene import Scene
+
+        scene = Scene.load(source, set_ or [])
+        found = check_scene(scene, scene.read_mesh())
+    else:
+        from kshell.mesh import read_mesh
+
+        _no_overrides(source, set_ or [])
+        found = check_mesh(read_mesh(source))
+    print_findings(found)
+    for words in found.problems:
+        typer.echo(f"error: {words}", err=True)
+    if found.problems:
+        raise typer.Exit(2)
+
+
+def _is_scene(source: Path) -> bool:
+    return source.suffix.lower() == ".toml"
+
+
+def _no_overrides(source: Path, overrides: Sequence[str]) -> None:
+    if overrides:
+        raise InputError(
+            f"--set {overrides[0]}: {source} is a mesh, --set changes the values of a scene file"
+        )
+
+
+def _scene(source: Path, plate: dict[str, Any], overrides: Sequence[str]) -> Scene:
+    from kshell.scene import Scene
+
+    given = {key: value for key, value in plate.items() if value not in (None, [])}
+    if _is_scene(source):
+        if given:
+            option = next(iter(given)).replace("_", "-")
+            raise InputError(
+                f"--{option} describes the plate of a mesh file, but {source} is a scene file: use --set, "
+                "for example --set thickness=0.02"
+            )
+        return Scene.load(source, overrides)
+    _no_overrides(source, overrides)
+    return _scene_of_options(source, given)
+
+
+def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:
+    from kshell.loads import Pressure
+    from kshell.material import Isotropic
+    from kshell.scene import Scene
+    from kshell.supports import Clamped, SimplySupported, Symmetry
+
+    missing = [f"--{key}" for key in ("thickness", "E", "nu") if key not in given]
+    if missing:
+        raise InputError(
+            f"{', '.join(missing)} missing: a mesh file needs --thickness, --E and --nu, a scene file not"
+        )
+    kinds = {"clamped": Clamped, "supported": SimplySupported, "symmetry": Symmetry}
+    supports = [kind(name) for key, kind in kinds.items() for name in given.get(key, [])]
+    loads = [Pressure(_number_or_text(given["pressure"]))] if "pressure" in given else []
+    return Scene(
+        mesh=mesh,
+        thickness=_number_or_text(given["thickness"]),
+        material=Isotropic(E=given["E"], nu=given["nu"], density=given.get("density", 0.0)),
+        supports=supports,
+        loads=loads,
+        mesh_size=given.get("mesh_size"),
+        mesh_order=given.get("mesh_order"),
+        title=mesh.name,
+    )
+
+
+def _number_or_text(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _solve(scene: Scene, options: dict[str, str]) -> Result:
+    import warnings
+
+    from kshell.solving import solve as solve_scene
+    from kshell.terminal import Progress
+
+    with warnings.catch_warnings(), Progress().shown() as progress:
+        warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
+        return solve_scene(scene, progress=progress, **options)
+
+
+def _write_json(result: Result, target: str | None) -> list[str]:
+    from kshell.saving import as_json, write_together
+
+    if target is None:
+        return []
+    text = as_json(result)
+    if target == "-":
+        sys.stdout.write(text)
+        return []
+    path = Path(target)
+    return write_together(path.parent, {path.name: lambda p: p.write_text(text, encoding="utf-8")})
+
+
+def _say(message: str, debug: bool = False) -> None:
+    if debug and sys.exc_info()[0] is not None:
+        traceback.print_exc()
+    print(f"error: {message}", file=sys.stderr)
+
+
+def _short_report(kind: type[BaseException], error: BaseException, _: TracebackType | None) -> None:
+    """For an error nobody foresaw: still one message, and how to see more. Python exits with code 1."""
+    _say(
+        f"{kind.__name__}: {error}. This is a fault of kshell: --debug shows the traceback, please report it"
+    )
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line and return its exit code."""
+    debug = "--debug" in arguments
+    if not debug:
+        sys.excepthook = _short_report
+    command = typer.main.get_command(app)
+    try:
+        code = command.main(list(arguments) or ["--help"], prog_name="kshell", standalone_mode=False) or 0
+    except ClickException as error:
+        words = error.format_message().rstrip().rstrip(".")
+        if words.startswith("No such command"):
+            words += f"; the commands are {' and '.join(COMMANDS)}"
+        _say(f"{words}. See kshell --help", debug)
+        return 2
+    except KshellError as error:
+        _say(str(error), debug)
+        return 1 if isinstance(error, SolveError) else 2
+    except MemoryError:
+        _say("out of memory: take a coarser mesh, element morley, or solver multigrid", debug)
+        return 1
+    except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED  # depending on its version typer raises or returns
+    if code == INTERRUPTED:
+        _say("interrupted: nothing was written", debug)
+    return int(code)
+
+
+def main() -> None:
+    """Entry point of the `kshell` command."""
+    sys.exit(run(sys.argv[1:]))

@@ -1,0 +1,224 @@
+"""Geometry files are meshed through gmsh, in silence, and what goes wrong is said in gmsh's words."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+from kshell.errors import InputError
+from kshell.mesh import check, read_mesh
+
+SQUARE = """SetFactory("OpenCASCADE");
+Rectangle(1) = {0, 0, 0, 1, 1};
+MeshSize{ PointsOf{ Surface{1}; } } = 0.5;
+Physical Curve("left") = {4};
+"""
+
+
+@pytest.fixture
+def geo(tmp_path):
+    def write(text: str, name: str = "shape.geo"):
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+def test_sizes_and_orders(geo):
+    path = geo(SQUARE)
+    sizes = {size: read_mesh(path, size) for size in (None, 0.25, 0.125)}
+    assert len(sizes[None].groups["left"].members) == 2
+    assert len(sizes[0.25].groups["left"].members) == 4
+    assert len(sizes[0.125].groups["left"].members) == 8
+    assert read_mesh(path).order == 1
+    assert read_mesh(path, mesh_order=2).order == 2
+    assert read_mesh(geo(SQUARE + "Mesh.ElementOrder = 2;\n")).order == 2
+    assert read_mesh(geo(SQUARE + "Mesh.ElementOrder = 3;\n"), mesh_order=1).order == 1
+
+
+def test_a_file_that_meshes_itself(geo):
+    text = SQUARE + "Mesh 2;\n"
+    assert len(read_mesh(geo(text)).groups["left"].members) == 2
+    assert len(read_mesh(geo(text), 0.25).groups["left"].members) == 4
+
+
+def test_groups_survive_whatever_the_file_asks_to_be_written(geo):
+    for more in (
+        "Mesh.SaveAll = 1;\n",
+        "Mesh.MshFileVersion = 2.2;\n",
+        "Mesh.Binary = 1;\n",
+        'Physical Surface("all") = {1};\n',
+    ):
+        mesh = read_mesh(geo(SQUARE + more))
+        assert mesh.areas.sum() == pytest.approx(1.0)
+        assert mesh.groups["left"].kind == "curve"
+
+
+def test_a_single_line_without_line_end_keeps_its_groups(geo):
+    assert set(read_mesh(geo(SQUARE.replace("\n", " "))).groups) == {"left"}
+
+
+def test_curved_sides_at_order_2(geo):
+    mesh = read_mesh(geo('SetFactory("OpenCASCADE");\nDisk(1) = {0, 0, 0, 1};\n'), 0.3, 2)
+    rim = mesh.midpoints[mesh.boundary_edges]
+    np.testing.assert_allclose(np.linalg.norm(rim, axis=1), 1.0, rtol=1e-9)
+    assert check.summary(mesh).area == pytest.approx(np.pi, rel=1e-4)
+
+
+@pytest.mark.parametrize("suffix", ["step", "brep"])
+def test_surfaces_of_solids(tmp_path, suffix):
+    """A closed box as a shell: its sides are called by gmsh's numbers."""
+    import gmsh
+
+    path = tmp_path / f"box.{suffix}"
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    gmsh.model.occ.synchronize()
+    gmsh.write(str(path))
+    gmsh.finalize()
+    mesh = read_mesh(path, 0.5)
+    assert len(mesh.boundary_edges) == 0
+    assert {f"2:{k}" for k in range(1, 7)} <= set(mesh.groups)
+    assert any("no physical groups" in note for note in mesh.notes)
+    assert any("millimetres" in note for note in mesh.notes) == (suffix == "step")
+
+
+def test_a_crack_opened_by_gmsh_is_a_slit(geo):
+    text = """h = 0.2;
+Point(1) = {0, 0, 0, h}; Point(2) = {1, 0, 0, h}; Point(3) = {1, 1, 0, h}; Point(4) = {0, 1, 0, h};
+Point(5) = {0, 0.5, 0, h}; Point(6) = {0.5, 0.5, 0, h};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 1}; Line(6) = {5, 6};
+Curve Loop(1) = {1:5}; Plane Surface(1) = {1}; Curve{6} In Surface{1};
+Physical Surface("plate", 1) = {1}; Physical Curve("crack", 2) = {6}; Physical Point("mouth", 3) = {5};
+Mesh 2;
+Plugin(Crack).Dimension = 1; Plugin(Crack).PhysicalGroup = 2; Plugin(Crack).OpenBoundaryPhysicalGroup = 3;
+Plugin(Crack).Run;
+"""
+    mesh = read_mesh(geo(text))
+    sides = {group.name: group.measure for group in check.summary(mesh).groups}
+    assert sides["crack"] == pytest.approx(1.0)  # both sides
+    assert mesh.notes == ("slit: 3 pairs of vertices at the same place, e.g. at (0, 0.5)",)
+
+
+def test_sheets_that_meet_in_a_tee(geo):
+    text = """SetFactory("OpenCASCADE");
+Rectangle(1) = {0, 0, 0, 1, 1};
+Rectangle(2) = {0, 0, 0, 1, 1};
+Rotate{ {0, 1, 0}, {0.5, 0, 0}, Pi/2 }{ Surface{2}; }
+Coherence;
+"""
+    mesh = read_mesh(geo(text), 0.25)
+    assert np.count_nonzero(mesh.edge_counts == 4) == 4
+    assert any("sheets of a shell branch" in note for note in mesh.notes)
+
+
+def test_output_stays_clean(geo, capfd):
+    read_mesh(geo(SQUARE + 'Printf("chatter");\n'))
+    with pytest.raises(InputError):
+        read_mesh(geo("nonsense (;\n"))
+    captured = capfd.readouterr()
+    assert (captured.out, captured.err) == ("", "")
+    print("still here")
+    assert capfd.readouterr().out == "still here\n"
+
+
+WRONG = {
+    "syntax": ("nonsense (;\n", "gmsh cannot mesh it: 'shape.geo', line 1: syntax error"),
+    "unknown loop": ("Plane Surface(1) = {7};\n", "Unknown curve loop 7"),
+    "no surface": ("Point(1) = {0, 0, 0};\n", "has no surface to mesh"),
+    "quadrilaterals": (SQUARE + "Recombine Surface{1};\n", "quadrilaterals.*Recombine"),
+    "order 3": (SQUARE + "Mesh.ElementOrder = 3;\n", "order 3 or higher"),
+    "unmerged": (SQUARE + "Rectangle(2) = {1, 0, 0, 1, 1};\n", "vertices at the same place.*Coherence"),
+    "overlap": (SQUARE + "Rectangle(2) = {0.3, 0.3, 0.4, 1, 1};\n", None),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_geometry(geo, case):
+    import gmsh
+
+    text, message = WRONG[case]
+    if message is None:
+        assert any("2 parts that are not connected" in note for note in read_mesh(geo(text)).notes)
+    else:
+        with pytest.raises(InputError, match=message) as caught:
+            read_mesh(geo(text))
+        assert str(caught.value).startswith("shape.geo: ")
+        assert "/" not in str(caught.value).split("Open the file")[0]
+    assert not gmsh.isInitialized()
+
+
+def test_merging_as_advised(geo):
+    text = SQUARE + "Rectangle(2) = {1, 0, 0, 1, 1};\nCoherence;\n"
+    assert read_mesh(geo(text)).notes == ()
+
+
+@pytest.mark.parametrize(
+    "options", [{"mesh_size": 0.0}, {"mesh_size": -1.0}, {"mesh_size": float("nan")}, {"mesh_order": 3}]
+)
+def test_wrong_options(geo, options):
+    with pytest.raises(InputError, match=r"mesh_(size|order) must be"):
+        read_mesh(geo(SQUARE), **options)
+
+
+def test_options_are_for_geometry_only(tmp_path):
+    path = tmp_path / "mesh.msh"
+    path.write_text("")
+    with pytest.raises(InputError, match=r"mesh_size is for geometry files.*mesh\.msh is meshed already"):
+        read_mesh(path, 0.1)
+    with pytest.raises(InputError, match="mesh_order is for geometry files"):
+        read_mesh(path, mesh_order=2)
+
+
+def test_missing_files(tmp_path, geo):
+    geo(SQUARE)
+    with pytest.raises(InputError, match=r"shapes\.geo not found\. Did you mean 'shape\.geo'"):
+        read_mesh(tmp_path / "shapes.geo")
+    with pytest.raises(InputError, match="is a folder"):
+        read_mesh(tmp_path)
+
+
+class _Failing:
+    """An import that fails as it does on a machine without the graphics libraries."""
+
+    def __init__(self, error: Exception) -> None:
+        self.error = error
+
+    def find_spec(self, name, *_):
+        if name == "gmsh":
+            raise self.error
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (
+            OSError("libGLU.so.1: cannot open shared object file"),
+            "apt-get install libglu1-mesa .*or mesh the file elsewhere",
+        ),
+        (OSError("libXft.so.2: cannot open shared object file"), "apt-get install libxft2 libglu1-mesa"),
+        (ModuleNotFoundError("No module named 'gmsh'"), "pip install gmsh"),
+    ],
+)
+def test_gmsh_that_cannot_be_loaded(geo, monkeypatch, error, message):
+    monkeypatch.delitem(sys.modules, "gmsh", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [_Failing(error), *sys.meta_path])
+    with pytest.raises(InputError, match=message):
+        read_mesh(geo(SQUARE))
+
+
+def test_a_session_of_the_caller_is_left_alone(geo):
+    import gmsh
+
+    path = geo(SQUARE)
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        with pytest.raises(InputError, match=r"gmsh is in use already.*gmsh\.finalize\(\)"):
+            read_mesh(path)
+        assert gmsh.isInitialized()
+    finally:
+        gmsh.finalize()

@@ -1,0 +1,52 @@
+"""The meshes in meshes/ are sound, small, and agree with the geometry beside them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kshell.mesh import check, read_mesh
+
+FOLDER = Path(__file__).parents[2] / "meshes"
+
+# order, area of the geometry
+SHIPPED = {
+    "plate": (1, 1.5 - np.pi * 0.2**2),
+    "unit_square": (1, 1.0),
+    "disk": (1, np.pi),
+    "disk_order2": (2, np.pi),
+    "l_shape": (1, 3.0),
+    "annulus": (2, np.pi * (1 - 0.4**2)),
+    "skew_plate": (1, 0.5),
+    "sector": (2, np.pi / 6),
+    "ellipse": (2, 2 * np.pi),
+}
+
+
+def test_all_are_listed():
+    assert {path.stem for path in FOLDER.glob("*.msh")} >= set(SHIPPED)
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_sound(name):
+    order, area = SHIPPED[name]
+    path = FOLDER / f"{name}.msh"
+    assert path.stat().st_size < 150_000
+    mesh = read_mesh(path)
+    check.plate_problems(mesh)
+    assert mesh.notes == ()
+    assert mesh.order == order
+    assert check.summary(mesh).area == pytest.approx(area, rel=1e-5 if order == 2 else 4e-3)
+    assert check.quality(mesh).min_angle > 29.9
+    assert all(len(group.members) for group in mesh.groups.values())
+
+
+@pytest.mark.parametrize("name", ["plate", "annulus", "disk_order2"])
+def test_made_from_the_geometry_beside_it(name):
+    shipped = read_mesh(FOLDER / f"{name}.msh")
+    fresh = read_mesh(FOLDER / f"{name.removesuffix('_order2')}.geo", mesh_order=shipped.order)
+    assert list(fresh.groups) == list(shipped.groups)
+    for ours, theirs in zip(check.summary(fresh).groups, check.summary(shipped).groups, strict=True):
+        assert ours.measure == pytest.approx(theirs.measure, rel=1e-3)

@@ -1,0 +1,100 @@
+"""True shapes of curved edges, rebuilt from mesh nodes."""
+
+import numpy as np
+import pytest
+
+from kshell.mesh.mesh import Mesh
+from kshell.plate.curves import edge_curves
+from kshell.plate.domain import Domain
+from tests.plate.plates import disk, rectangle
+
+
+def fan(angles, radius=lambda a: 1.0, centre=(5.0, -2.0), stretch=(2.0, 1.0)):
+    """Triangles between a closed curve and its centre."""
+    r = np.array([radius(a) for a in angles])[:, None]
+    rim = r * np.stack([stretch[0] * np.cos(angles), stretch[1] * np.sin(angles)], axis=1)
+    n = len(angles)
+    k = np.arange(n)
+    triangles = np.stack([k, (k + 1) % n, np.full(n, n)], axis=1)
+    return Mesh.from_arrays(np.concatenate([rim, [[0.0, 0.0]]]) + np.array(centre), triangles)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_area_of_a_disk_converges_with_order_six(order):
+    errors = [abs(Domain(disk(rings, order), curved=True).area / np.pi - 1) for rings in (3, 6)]
+    assert errors[0] < 1e-5
+    assert errors[1] < errors[0] / 50
+
+
+def test_tangent_and_curvature_of_an_ellipse():
+    angles = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    mesh = fan(angles)
+    curves = edge_curves(mesh, mesh.boundary_edges)
+    a = angles[mesh.edges[curves.edges]]
+    speed = np.hypot(-2 * np.sin(a), np.cos(a))
+    exact = np.stack([-2 * np.sin(a), np.cos(a)], -1) / speed[..., None]
+    cosine = np.abs((exact * curves.tangent).sum(-1))
+    assert np.arccos(np.minimum(cosine, 1)).max() < 1e-5
+    assert np.allclose(np.linalg.norm(curves.curvature, axis=-1), 2 / speed**3, rtol=3e-3)
+
+
+def test_polygons_keep_their_corners_and_straight_sides():
+    mesh = rectangle(4, skew=0.5)
+    curves = edge_curves(mesh, mesh.boundary_edges)
+    assert not curves.curved.any()
+    assert curves.sharpest < 1e-6
+    ends = mesh.points[mesh.edges[curves.edges], :2]
+    chord = ends[:, 1] - ends[:, 0]
+    chord /= np.linalg.norm(chord, axis=1, keepdims=True)
+    assert np.allclose(curves.tangent, chord[:, None])
+
+
+def test_a_blunt_corner_of_straight_sides_is_a_corner():
+    """The obtuse corner of a rhombus turns by 30 degrees only."""
+    mesh = rectangle(4, a=1.0, b=np.sin(np.pi / 6), skew=1 / np.tan(np.pi / 6))
+    curves = edge_curves(mesh, mesh.boundary_edges)
+    assert not curves.curved.any()
+
+
+def test_an_arc_that_runs_into_straight_lines():
+    """A half disk: two corners, a straight side that stays straight, an arc with curvature 1."""
+    arc = np.linspace(0, np.pi, 25)
+    rim = np.stack([np.cos(arc), np.sin(arc)], axis=1)
+    base = np.stack([np.linspace(-1, 1, 13)[1:-1], np.zeros(11)], axis=1)
+    points = np.concatenate([rim, base, [[0.0, 0.4]]])
+    n = len(points) - 1
+    k = np.arange(n)
+    mesh = Mesh.from_arrays(points, np.stack([k, (k + 1) % n, np.full(n, n)], axis=1))
+    curves = edge_curves(mesh, mesh.boundary_edges)
+    on_base = np.abs(mesh.points[mesh.edges[curves.edges], 1]).max(axis=1) < 1e-12
+    assert not curves.curved[on_base].any()
+    assert curves.curved[~on_base].all()
+    assert np.allclose(np.linalg.norm(curves.curvature[~on_base], axis=-1), 1.0, atol=1e-3)
+    assert Domain(mesh, curved=True).area == pytest.approx(np.pi / 2, rel=1e-7)
+
+
+def test_a_smooth_join_of_arc_and_line_has_one_tangent():
+    """A stadium: straight sides, half circles; the curvature jumps, the tangent does not."""
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 17)
+    right = np.stack([1 + np.cos(turn), np.sin(turn)], axis=1)
+    top = np.stack([np.linspace(1, -1, 11)[1:-1], np.ones(9)], axis=1)
+    points = np.concatenate([right, top, -right, -top, [[0.0, 0.0]]])
+    n = len(points) - 1
+    k = np.arange(n)
+    mesh = Mesh.from_arrays(points, np.stack([k, (k + 1) % n, np.full(n, n)], axis=1))
+    curves = edge_curves(mesh, mesh.boundary_edges)
+    ends = mesh.edges[curves.edges]
+    for v in range(n):
+        at = [curves.tangent[k, e] for k in range(len(ends)) for e in (0, 1) if ends[k, e] == v]
+        assert abs(abs(at[0] @ at[1]) - 1) < 1e-12
+    assert Domain(mesh, curved=True).area == pytest.approx(4 + np.pi, rel=1e-5)
+
+
+def test_edge_quadrature_follows_the_curve():
+    mesh = disk(4)
+    domain = Domain(mesh, curved=True)
+    patch = domain.edge_patch(mesh.boundary_edges.astype(int), 6)
+    assert patch.weights.sum() == pytest.approx(2 * np.pi, rel=1e-6)
+    assert np.allclose(patch.normal, patch.xy / np.linalg.norm(patch.xy, axis=-1, keepdims=True), atol=1e-4)
+    divergence = (patch.normal * patch.xy).sum(-1) * patch.weights
+    assert divergence.sum() / 2 == pytest.approx(domain.area, rel=1e-10)
