@@ -294,7 +294,7 @@ def run(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED  # depending on its version typer raises or returns
     if code == INTERRUPTED:
-        _say("interrupted: nothing was written", debug)
+        _say("interrupted: files are written whole or not at all", debug)
     return int(code)
 
 
