@@ -242,6 +242,7 @@ def _solve(scene: Scene, options: dict[str, str]) -> Result:
 
     with warnings.catch_warnings(), Progress().shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
+        warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
         return solve_scene(scene, progress=progress, **options)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.loads import Load
 from kshell.mesh import Mesh, Selection, select
-from kshell.places import Place, on_words
+from kshell.places import on_words
 from kshell.plot import draw_edges, new_figure
 from kshell.supports import Support
 from kshell.values import show
@@ -77,7 +77,7 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
 def _draw_support(axes: Axes, mesh: Mesh, support: Support) -> None:
     chosen = select(mesh, support.on, what=str(support))
     colour = SUPPORT_COLOURS[support.kind]
-    label = f"{support.kind.replace('_', ' ')} {_where(support.on)}"
+    label = f"{support.kind.replace('_', ' ')} {on_words(support.on)}"
     if support.kind in ("fixed", "elastic"):
         label += f" ({support.freedoms})"
     if chosen.dimension == 0:
@@ -120,7 +120,7 @@ def _draw_supported_edges(
 
 
 def _draw_load(axes: Axes, mesh: Mesh, load: Load) -> None:
-    label = f"{load.kind.replace('_', ' ')} {_where(load.on)}: {_amount(load)}"
+    label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {_amount(load)}"
     if load.on is None:
         chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     else:
@@ -260,10 +260,6 @@ def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
             linestyle=style,
             label=label,
         )
-
-
-def _where(on: Place | None) -> str:
-    return "everywhere" if on is None else f"on {on_words(on)}"
 
 
 def _amount(load: Load) -> str:
