@@ -190,14 +190,13 @@ class ReactionFinder:
         for v, pair in around.items():
             if len(pair) != 2:
                 continue
-            twist, tangent = [], []
-            for e, end in pair:
-                t = boundary.tangent[boundary.place(np.array([e]))[0], end]
-                value, along = self._twist(fields, e, v, t)
-                twist.append(value if along == "out" else -value)
-                tangent.append(t)
+            tangent = [boundary.tangent[boundary.place(np.array([e]))[0], end] for e, end in pair]
             if abs(tangent[0][0] * tangent[1][1] - tangent[0][1] * tangent[1][0]) < 1e-6:
                 continue  # no corner
+            twist = []
+            for (e, _), t in zip(pair, tangent, strict=True):
+                value, along = self._twist(fields, e, v, t)
+                twist.append(value if along == "out" else -value)
             labels = sorted({name for e, _ in pair for name in edge_groups[e]})
             out.append({"at": mesh.points[v], "force": np.array([0.0, 0.0, sum(twist)]), "groups": labels})
         return out
