@@ -99,7 +99,7 @@ class Pattern:
         layout = reduction.layout
         mesh, b = layout.mesh, layout.per_vertex
         self.reduction = reduction
-        n_vertices, n_edges = len(mesh.points), len(mesh.edges)
+        n_vertices = len(mesh.points)
         free = reduction.unknown >= 0
         sizes = np.concatenate(
             [free[: b * n_vertices].reshape(n_vertices, b).sum(axis=1), free[b * n_vertices :]]
