@@ -11,6 +11,7 @@ from kshell.clock import Clock, Stage, peak_memory_mb
 from kshell.errors import SolveError
 from kshell.mesh.check import plate_problems
 from kshell.mesh.mesh import Mesh
+from kshell.modelling import choose_model
 from kshell.options import SolveOptions
 from kshell.plate.problem import PlateProblem, choose_element
 from kshell.plate.reactions import ReactionFinder
@@ -64,7 +65,7 @@ def solve_plate(
     with clock.stage("recover"):
         result = _recover(scene, problem, d, solution)
     reasons = [
-        "kind plate: the mesh is flat",
+        *choose_model(scene, mesh, options).reasons,
         choice.reason,
         "linear: only small deflections are computed",
         *(f"mesh: {note}" for note in mesh.notes),
