@@ -94,7 +94,9 @@ class ChartSurface:
         points = np.asarray(points, dtype=float).reshape(-1, 2)
         return corners[:, :1] + points @ np.swapaxes(self.affine.jacobian[triangles], 1, 2)
 
-    def geometry(self, points: Floats, triangles: ArrayLike | slice = slice(None)) -> tuple[Floats, Floats, Floats]:
+    def geometry(
+        self, points: Floats, triangles: ArrayLike | slice = slice(None)
+    ) -> tuple[Floats, Floats, Floats]:
         """Position (3, triangle, point), first (2, 3, ...) and second (3, 3, ...) derivatives by reference coordinates.
 
         Second derivatives are listed 11, 22, 12.

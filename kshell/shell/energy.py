@@ -82,7 +82,9 @@ class StrainEnergy(ABC):
         """K s: (triangle, r)."""
         return np.concatenate([self._apply(t, strain[t, :, None])[:, :, 0] for t in self.blocks])
 
-    def energy(self, x: Floats, derivatives: int = 0, memory: Any = None, stress: Floats | None = None) -> Energy:
+    def energy(
+        self, x: Floats, derivatives: int = 0, memory: Any = None, stress: Floats | None = None
+    ) -> Energy:
         """Energy of a state of finite deformation.
 
         Parameters

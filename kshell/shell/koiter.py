@@ -112,9 +112,7 @@ class Koiter(StrainEnergy):
             shift = surface.jets(memory.base, reference.edge_first, triangles)
             base, moved = base + shift, surface.jets(u - memory.base, reference.edge_first, triangles)
         rotation = surface.triangle_rotations[triangles]
-        angle = kinematics.angle_change(
-            base, moved, reference.edge_tangents.T, memory.vectors[:, rotation]
-        )
+        angle = kinematics.angle_change(base, moved, reference.edge_tangents.T, memory.vectors[:, rotation])
         turn = memory.angle[triangles] + angle.change
         turn += self._edge_signs(triangles) * x[surface.rotation_start + rotation]
 

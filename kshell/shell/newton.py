@@ -10,13 +10,12 @@ limit is the same, the way there is several times shorter.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
-from kshell.shell.equilibrium import Problem, State, factorise
+from kshell.shell.equilibrium import Problem, State
 
 Floats = NDArray[np.float64]
 
@@ -28,6 +27,7 @@ DIVERGED = 1e8
 # iterations of a step after which the next one is longer, and shorter
 EASY, HARD = 5, 12
 SMALLEST_STEP = 1e-6
+MOST_ATTEMPTS = 300
 # a step that ends on an unstable branch is repeated with smaller steps down to this part of the first one
 DOUBTFUL_STEP = 1.0 / 16.0
 
@@ -52,7 +52,7 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         if iteration == 1 and moved:
             residual = residual - energy.hessian @ shift
         reduced = basis.T @ residual
-        tangent = factorise((basis.T @ energy.hessian @ basis).tocsr())
+        tangent = problem.factorise(energy.hessian)
         step = tangent.solve(reduced)
         work = abs(float(reduced @ step))
         change = basis @ step
@@ -110,19 +110,19 @@ def load_path(
     path = [state]
     span = until - state.factor
     size = span / max(steps, 1)
+    attempts = 0
     while abs(until - state.factor) > 1e-12 * abs(span):
+        attempts += 1
         size = np.sign(span) * min(abs(size), abs(until - state.factor))
         try:
             found = correct(problem, state, state.factor + size)
         except SolveError as error:
             size *= 0.5
             if abs(size) < SMALLEST_STEP * abs(span):
-                raise SolveError(
-                    f"the load cannot be increased beyond the factor {state.factor:.6g}: the equilibrium ends or turns "
-                    f"back there ({error}); follow it with the analysis 'path'",
-                    state=path,
-                ) from error
+                raise _stuck(path, str(error)) from error
             continue
+        if attempts > MOST_ATTEMPTS + steps:
+            raise _stuck(path, f"{attempts} steps did not reach the factor {until:g}")
         if found.negative > state.negative and abs(size) > DOUBTFUL_STEP * abs(span) / steps:
             size *= 0.5  # the iteration may have jumped to another branch
             continue
@@ -137,6 +137,11 @@ def load_path(
     return path
 
 
-def imperfect(problem: Problem, state: State, offset: Floats) -> State:
-    """A start for iterations from a displaced state, for branch switching: (unknowns,) added to x."""
-    return replace(state, x=state.x + offset)
+def _stuck(path: list[State], why: str) -> SolveError:
+    unstable = next((s.factor for s in path if s.negative > 0), None)
+    hint = "" if unstable is None else f"; the equilibrium is unstable from the factor {unstable:.6g} on"
+    return SolveError(
+        f"the load cannot be increased beyond the factor {path[-1].factor:.6g}: the equilibrium ends or turns back "
+        f"there ({why}){hint}; follow it with the analysis 'path'",
+        state=path,
+    )

@@ -103,7 +103,9 @@ def resultants(
     turn = np.stack([np.stack([dot(axes[i], e1), dot(axes[i], e2)]) for i in range(2)])
     to_frame = np.moveaxis(contravariant_to_frame(turn), (0, 1), (2, 3))
     return Resultants(
-        position=np.einsum("pn,tnx->tpx", lagrange(surface.order, points), surface.nodes[surface.triangle_nodes[chosen]]),
+        position=np.einsum(
+            "pn,tnx->tpx", lagrange(surface.order, points), surface.nodes[surface.triangle_nodes[chosen]]
+        ),
         axes=np.moveaxis(axes, (0, 1), (2, 3)),
         membrane_force=(to_frame @ force[..., None])[..., 0],
         moment=(to_frame @ moment[..., None])[..., 0],

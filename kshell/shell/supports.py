@@ -120,7 +120,9 @@ class Supports:
             If the edges do not lie in one plane, or the surface does not meet it at a right angle.
         """
         conormals = edge_conormals(self.surface, edges)
-        axis = self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        axis = (
+            self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        )
         if axis is None:  # a straight line: the surface tells the plane
             axis = np.linalg.svd(conormals.reshape(-1, 3), full_matrices=False)[2][0]
         self._require_plane(edges, axis, "a symmetry plane")
@@ -142,7 +144,9 @@ class Supports:
         InputError
             If the edges lie in no plane, or in many (a straight line) and `normal` is not given.
         """
-        axis = self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        axis = (
+            self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        )
         if axis is None:
             raise InputError("diaphragm: the edges form a straight line: give the normal of the plane")
         self._require_plane(edges, axis, "a diaphragm")
