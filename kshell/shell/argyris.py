@@ -140,6 +140,12 @@ class ChartKoiter(StrainEnergy):
         count, q = stiffness.shape[:2]
         return np.matmul(stiffness, columns.reshape(count, q, 6, -1)).reshape(columns.shape)
 
+    def translation_weights(self) -> Floats:
+        vertices = len(self.surface.mesh.points)
+        result = np.zeros((self.surface.scalars, 3))
+        result[: 6 * vertices : 6] = 1.0 / vertices
+        return result.ravel()
+
     @cached_property
     def sparsity(self) -> Sparsity:
         """Pattern of all matrices of this surface."""

@@ -122,7 +122,7 @@ class Factor:
         Negative pivots.
     """
 
-    solve: Callable[[Floats], Floats]
+    solve: Callable[[Any], Any]
     negative: int = field(default=0)
 
 
@@ -143,7 +143,8 @@ def factorise(matrix: sp.spmatrix, symmetric: bool = True) -> Factor:
         raise SolveError("the stiffness is not finite: the step led too far away")
     if symmetric:
         try:
-            return Factor(installed_backends()[0].factorise(matrix.tocsr())[0])
+            solve: Callable[[Any], Any] = installed_backends()[0].factorise(matrix.tocsr())[0]
+            return Factor(solve)
         except Singular:
             pass  # not positive definite: the pivots below say how far
     try:

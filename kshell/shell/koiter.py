@@ -171,6 +171,11 @@ class Koiter(StrainEnergy):
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         return np.matmul(self.stiffness[triangles], columns)
 
+    def translation_weights(self) -> Floats:
+        result = np.zeros(self.unknowns)
+        result[: self.surface.rotation_start] = 1.0 / self.surface.node_count
+        return result
+
     @cached_property
     def sparsity(self) -> Sparsity:
         """Pattern of all matrices of this surface."""

@@ -76,7 +76,8 @@ def solve_linear(
         raise SolveError(f"the shell can move freely, or its stiffness is not positive ({error})") from error
 
     x = reduction.given.copy()
-    energy, corrections = 0.0, []
+    energy = 0.0
+    corrections: list[float] = []
     for _ in range(MOST_REFINEMENTS):
         stress = koiter.stress(koiter.linear_strain(x))
         forces = koiter.linear_forces(stress) - load

@@ -28,7 +28,7 @@ def evaluate(value: Value, points: Floats, size: int) -> Floats:
     return np.broadcast_to(found, shape).reshape(points.shape[:-1] if size == 1 else points.shape)
 
 
-def surface_points(surface: Surface, triangles: ArrayLike) -> Floats:
+def surface_points(surface: Surface, triangles: NDArray) -> Floats:
     """Interior quadrature points of triangles on the rest surface: (triangle, q, 3)."""
     return np.einsum(
         "qn,tnx->tqx", surface.reference.values, surface.nodes[surface.triangle_nodes[triangles]]

@@ -26,7 +26,7 @@ FINISHED = 1e-13
 DIVERGED = 1e8
 # iterations of a step after which the next one is longer, and shorter
 EASY, HARD = 5, 12
-SMALLEST_STEP = 1e-6
+SMALLEST_STEP = 1e-4
 MOST_ATTEMPTS = 300
 # a step that ends on an unstable branch is repeated with smaller steps down to this part of the first one
 DOUBTFUL_STEP = 1.0 / 16.0

@@ -67,18 +67,12 @@ class PathFollower:
     Parameters
     ----------
     problem : Problem
-    weights : (unknowns,), optional
-        Weights of the unknowns in the length of a step; by default those of the mean square translation,
-        which needs the surface of a `Koiter` energy.
     """
 
-    def __init__(self, problem: Problem, weights: Floats | None = None) -> None:
+    def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        if weights is None:
-            surface = problem.energy.surface
-            weights = np.zeros(surface.unknowns)
-            weights[: surface.rotation_start] = 1.0 / surface.node_count
-        self.weights = problem.reduction.basis.T @ weights
+        basis = problem.reduction.basis
+        self.weights = basis.multiply(basis).T @ problem.energy.translation_weights()
 
     def arc(self, state: State, length: float, before: Floats | None, along: Floats | None = None) -> Step:
         """A step of a length, on from the motion `before`; or first along a given motion `along` at constant load.

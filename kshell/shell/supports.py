@@ -169,8 +169,8 @@ class Supports:
         if abs(height[worst]) > PLANAR * size:
             raise InputError(
                 f"{what} needs edges in one plane with normal ({axis[0]:.4g}, {axis[1]:.4g}, {axis[2]:.4g}), but "
-                f"({x[worst][0]:.6g}, {x[worst][1]:.6g}, {x[worst][2]:.6g}) lies {abs(height[worst]):.3g} off the mean: "
-                "split the group by planes"
+                f"({x[worst][0]:.6g}, {x[worst][1]:.6g}, {x[worst][2]:.6g}) lies "
+                f"{abs(height[worst]):.3g} off the mean: split the group by planes"
             )
 
     def reduction(self) -> Reduction:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.elements.reference import VERTICES
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
-from kshell.elements.reference import VERTICES
 from kshell.shell.reference import (
     EDGES,
     ReferenceTriangle,
@@ -88,7 +89,7 @@ class Surface:
         corner = mesh.triangles[:, EDGES]  # (triangle, edge, 2)
         self.edge_sign = np.where(corner[..., 0] < corner[..., 1], 1, -1).astype(np.int8)
 
-        columns = [mesh.triangles[:, k] for k in range(3)]
+        columns: list[NDArray[Any]] = [mesh.triangles[:, k] for k in range(3)]
         for edge in range(3):
             first = vertices + mesh.triangle_edges[:, edge].astype(np.int64) * (p - 1)
             ahead = self.edge_sign[:, edge] > 0

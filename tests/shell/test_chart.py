@@ -11,6 +11,7 @@ from kshell.shell.argyris import ChartKoiter
 from kshell.shell.chart_supports import ChartSupports
 from kshell.shell.chart_surface import ChartSurface
 from kshell.shell.linear import solve_linear
+from kshell.shell.recovery import chart_resultants
 from kshell.shell.section import Section
 from tests.shell.shapes import rectangle
 from tests.shell.test_koiter import LAMINATE
@@ -114,6 +115,21 @@ def test_pure_bending_on_an_oblique_chart(ratio):
     assert force.x[18 * tip] == pytest.approx(np.pi / 4 * (1 + ratio**2 / 12), rel=3e-5)
     moment = model.solve(chart_loads.edge_moment(model.surface, ratio**3 / 12, end))
     assert moment.x[18 * tip : 18 * tip + 3] == pytest.approx([-1, 0, 1 - np.pi / 2], rel=1e-4, abs=1e-6)
+
+
+def test_membrane_forces_and_moments_of_a_pressurised_cylinder():
+    """N = p R around, w = p R^2 / (E t); no force along the axis."""
+    model = ChartModel(
+        rectangle(2, 2, 0, np.pi, 0, 1), cylinder_chart(2.0), Section.isotropic(1.0, 0.3, 0.01)
+    )
+    for value in (0.0, np.pi):
+        model.supports.symmetry(model.edges(0, value))
+    model.supports.symmetry(model.edges(1, 0.0))
+    answer = model.solve(chart_loads.pressure(model.surface, 1.0))
+    assert answer.x[18 * model.vertex(0.0, 0.0) + 2] == pytest.approx(4 / 0.01, rel=1e-4)
+    found = chart_resultants(model.koiter, answer.x, [[0.2, 0.3], [0.5, 0.1]])
+    assert np.allclose(found.membrane_force, [2.0, 0.0, 0.0], atol=1e-3)
+    assert np.abs(found.moment).max() < 1e-4
 
 
 def test_prescribed_motion():
