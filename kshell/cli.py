@@ -242,6 +242,7 @@ def _solve(scene: Scene, options: dict[str, str]) -> Result:
 
     with warnings.catch_warnings(), Progress().shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
+        warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
         return solve_scene(scene, progress=progress, **options)
 
 
@@ -294,7 +295,7 @@ def run(arguments: Sequence[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED  # depending on its version typer raises or returns
     if code == INTERRUPTED:
-        _say("interrupted: nothing was written", debug)
+        _say("interrupted: files are written whole or not at all", debug)
     return int(code)
 
 

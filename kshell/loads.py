@@ -37,7 +37,7 @@ class Load:
         return values_at(self.value, points, self.components, what=str(self))
 
     def __str__(self) -> str:
-        return f"load {self.kind} on {on_words(self.on)}"
+        return f"load {self.kind} {on_words(self.on)}"
 
 
 @described("load pressure")

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kshell.elastic import elastic_constants, require_positive
+from kshell.elastic_constants import elastic_constants, require_positive
 from kshell.errors import InputError
 from kshell.validation import Number, described
 

@@ -101,11 +101,11 @@ ScalarOrVector = Annotated[Any, BeforeValidator(_as_either)]
 
 
 def on_words(on: Place | None) -> str:
-    """The place in words: `"left"`, `"left", "right"`, `(0, 1, 0)` or `everywhere`."""
+    """The place in words: `on "left"`, `on "left", "right"`, `on (0, 1, 0)` or `everywhere`."""
     if on is None:
         return "everywhere"
     if isinstance(on, str):
-        return f'"{on}"'
+        return f'on "{on}"'
     if isinstance(on[0], str):
-        return ", ".join(f'"{name}"' for name in on)
-    return "(" + ", ".join(f"{c:g}" for c in on) + ")"
+        return "on " + ", ".join(f'"{name}"' for name in on)
+    return "on (" + ", ".join(f"{c:g}" for c in on) + ")"

@@ -226,5 +226,8 @@ def _plain(value: Any, where: str) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(part, f"{where}[{number}]") for number, part in enumerate(value)]
     if isinstance(value, float) and not np.isfinite(value):
-        raise SolveError(f"the result is not usable: {where} is {value}; nothing is written")
+        raise SolveError(
+            f"the result is not usable: {where} is {value}. Nothing is written; "
+            "look at the magnitudes of stiffness, thickness and loads"
+        )
     return value

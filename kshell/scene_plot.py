@@ -6,6 +6,7 @@ forces in the plane are arrows. The legend says what each sign means.
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.loads import Load
 from kshell.mesh import Mesh, Selection, select
-from kshell.places import Place, on_words
+from kshell.places import on_words
 from kshell.plot import draw_edges, new_figure
 from kshell.supports import Support
 from kshell.values import show
@@ -58,6 +59,7 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
             _draw_support(axes, mesh, support)
         for load in scene.loads:
             _draw_load(axes, mesh, load)
+        _draw_material_axes(axes, mesh, scene)
         for number, (name, point) in enumerate(scene.probes.items()):
             axes.plot(*point[:2], marker="+", color="black", markersize=9, markeredgewidth=1.5, linestyle="")
             axes.annotate(
@@ -75,7 +77,7 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
 def _draw_support(axes: Axes, mesh: Mesh, support: Support) -> None:
     chosen = select(mesh, support.on, what=str(support))
     colour = SUPPORT_COLOURS[support.kind]
-    label = f"{support.kind.replace('_', ' ')} {_where(support.on)}"
+    label = f"{support.kind.replace('_', ' ')} {on_words(support.on)}"
     if support.kind in ("fixed", "elastic"):
         label += f" ({support.freedoms})"
     if chosen.dimension == 0:
@@ -118,7 +120,7 @@ def _draw_supported_edges(
 
 
 def _draw_load(axes: Axes, mesh: Mesh, load: Load) -> None:
-    label = f"{load.kind.replace('_', ' ')} {_where(load.on)}: {_amount(load)}"
+    label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {_amount(load)}"
     if load.on is None:
         chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     else:
@@ -237,8 +239,27 @@ def _polygons(axes: Axes, corners: Floats, colour: str, **style: Any) -> None:
     )
 
 
-def _where(on: Place | None) -> str:
-    return "everywhere" if on is None else f"on {on_words(on)}"
+def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
+    """Axis 1 of every direction-dependent material, as a line through the middle of the plate."""
+    layers = (
+        [(scene.material, 0.0)] if scene.layers is None else [(p.material, p.angle) for p in scene.layers]
+    )
+    numbers: dict[float, list[str]] = {}  # angle: the layers at it
+    for number, (material, turned) in enumerate(layers, start=1):
+        if hasattr(material, "angle"):
+            numbers.setdefault((material.angle + turned) % 180.0, []).append(str(number))
+    centre = 0.5 * (mesh.points[:, :2].min(axis=0) + mesh.points[:, :2].max(axis=0))
+    for (angle, which), style in zip(numbers.items(), cycle(("-", "--", "-.", ":")), strict=False):
+        half = 0.1 * mesh.size * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+        whose = "" if scene.layers is None else f" of layer {', '.join(which)}"
+        label = f"material axis 1{whose}: {angle:g} degrees"
+        axes.plot(
+            *np.stack([centre - half, centre + half]).T,
+            color="#e67e22",
+            linewidth=2.5,
+            linestyle=style,
+            label=label,
+        )
 
 
 def _amount(load: Load) -> str:

@@ -14,6 +14,7 @@ from kshell.loads import LOADS
 from kshell.material import Anisotropic, Isotropic, Orthotropic
 from kshell.naming import listing, suggestion
 from kshell.options import SolveOptions
+from kshell.places import as_point
 from kshell.scene import Scene
 from kshell.supports import Clamped, Elastic, Fixed, Free, SimplySupported, Symmetry
 from kshell.validation import unknown_key
@@ -195,7 +196,10 @@ def _probes(blocks: Any, source: str) -> dict[str, Any]:
             raise InputError(f"name = {data['name']!r}: must be text")
         if data["name"] in probes:
             raise InputError(f'the name "{data["name"]}" is taken by an earlier probe: give another')
-        probes[data["name"]] = data["at"]
+        try:
+            probes[data["name"]] = as_point(data["at"])
+        except ValueError as error:
+            raise InputError(f"at = {data['at']!r}: {error}") from None
 
     _each(blocks, "probe", source, add)
     return probes

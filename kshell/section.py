@@ -11,6 +11,7 @@ sigma       stress at height z: -z Q w''
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -88,7 +89,7 @@ class Section:
         if not self.constant_per_triangle:
             raise ValueError("the thickness varies inside triangles: use bending(triangles, points)")
         every = np.arange(len(self._mesh.triangles))
-        return self.bending(every, self._centroids()[:, None])[:, 0]
+        return self.bending(every, self._centroids[:, None])[:, 0]
 
     def mass(self, triangles: Ints, points: Floats) -> Floats:
         """(n, q) mass per area at points (n, q, 3) of triangles (n,)."""
@@ -107,6 +108,7 @@ class Section:
             return -half * self._stack.top, half * self._stack.bottom
         return -half * self._Q, half * self._Q
 
+    @cached_property
     def _centroids(self) -> Floats:
         return self._mesh.points[self._mesh.triangles].mean(axis=1)
 
@@ -114,7 +116,7 @@ class Section:
         """Bad thickness is found before anything is assembled, at the corners of all triangles."""
         every = np.arange(len(self._mesh.triangles))
         if self.constant_per_triangle:
-            self.thickness(every, self._centroids()[:, None])
+            self.thickness(every, self._centroids[:, None])
         else:
             self.thickness(every, self._mesh.points[self._mesh.triangles])
 

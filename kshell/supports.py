@@ -52,7 +52,7 @@ class Support:
         return result
 
     def __str__(self) -> str:
-        return f"support {self.kind} on {on_words(self.on)}"
+        return f"support {self.kind} {on_words(self.on)}"
 
 
 def _returns_vector(function: Callable[..., Any], points: NDArray[np.float64]) -> bool:

@@ -64,7 +64,7 @@ def assemble(
                 load_work += float(here.sum())
             continue
         blocks = batch.part.matrices(batch.positions, batch.reduced)
-        where = pattern.positions(batch.triangles, batch.dofs, batch.unknown)
+        where = pattern.positions(batch.triangles, batch.unknown)
         np.add.at(data, where.ravel(), blocks.ravel())
         if batch.moved is not None:
             both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
@@ -99,7 +99,6 @@ class _Batch:
     part: Any
     positions: Ints
     triangles: Ints
-    dofs: Ints
     reduced: Floats
     unknown: NDArray[np.int32]
     moved: Floats | None
@@ -117,7 +116,7 @@ def _batches(parts: Sequence[Any], domain: Domain, reduction: Reduction) -> Iter
         reduced, unknown = reduction.local_transform(triangles, dofs, transform)
         moved = transform @ g[dofs][:, :, None] if any_moved else None
         for part in using:
-            yield _Batch(part, positions, triangles, dofs, reduced, unknown, moved)
+            yield _Batch(part, positions, triangles, reduced, unknown, moved)
 
     if whole:
         for block in domain.blocks():

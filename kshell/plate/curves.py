@@ -197,6 +197,12 @@ def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], 
     after_it = np.abs(neighbour(bend, 3) - ahead)
     scale = np.maximum(np.abs(ahead), np.abs(behind))
     stands_out = (change > 0.5 * scale) & (change > 8 * np.maximum(before_it, after_it))
+    # a short arc between straight sides, a fillet of two or three edges: flat on one side is enough
+    flat = np.minimum(
+        np.maximum(np.abs(behind), np.abs(neighbour(bend, -3))),
+        np.maximum(np.abs(ahead), np.abs(neighbour(bend, 3))),
+    )
+    stands_out |= flat < 0.02 * scale
     jump = vertex & ~corner & stands_out & (scale * span > 1e-6)
     if not closed:
         corner[[0, -1]] = jump[[0, -1]] = False

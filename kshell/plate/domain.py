@@ -95,12 +95,16 @@ class Domain:
         self.boundary: EdgeCurves = edge_curves(mesh, mesh.boundary_edges if curved else none)
         bent = self.boundary.edges[self.boundary.curved]
         self.curved_triangles: Ints = np.unique(mesh.edge_owner[bent, 0]).astype(np.int64)
+        none_yet = np.zeros(0, dtype=np.int64)
+        self._latest = (none_yet, AffineTriangles.of_arrays(self.points, mesh.triangles[none_yet]))
         self.is_curved = np.zeros(len(mesh.triangles), dtype=bool)
         self.is_curved[self.curved_triangles] = True
 
-    def affine(self, triangles: Ints | slice) -> AffineTriangles:
+    def affine(self, triangles: Ints) -> AffineTriangles:
         """The straight triangles."""
-        return AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles])
+        if triangles is not self._latest[0]:  # forms and loads ask for the same batch in turn
+            self._latest = (triangles, AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles]))
+        return self._latest[1]
 
     def blocks(self, triangles: Ints | None = None) -> Iterator[Ints]:
         """Triangle numbers in batches, straight ones and curved ones apart."""

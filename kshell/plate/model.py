@@ -86,7 +86,12 @@ def solve_plate(
             )
     with clock.stage("recover"):
         result = _recover(scene, problem, d, solution)
-    reasons = ["kind plate: the mesh is flat", choice.reason, "linear: only small deflections are computed"]
+    reasons = [
+        "kind plate: the mesh is flat",
+        choice.reason,
+        "linear: only small deflections are computed",
+        *(f"mesh: {note}" for note in mesh.notes),
+    ]
     result.model = {
         "kind": "plate",
         "large_deflection": False,
@@ -118,7 +123,7 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
         problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending
     )
     reactions = finder.find(d, problem.loads.forms, fields)
-    warnings = [*mesh.notes, *problem.warnings(), *solution.warnings]
+    warnings = [*problem.warnings(), *solution.warnings]
     if reactions.balance > UNBALANCED:
         warnings.append(
             f"loads and reactions differ by {reactions.balance:.1e} of the larger: the solution has few correct "

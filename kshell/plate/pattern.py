@@ -99,7 +99,7 @@ class Pattern:
         layout = reduction.layout
         mesh, b = layout.mesh, layout.per_vertex
         self.reduction = reduction
-        n_vertices, n_edges = len(mesh.points), len(mesh.edges)
+        n_vertices = len(mesh.points)
         free = reduction.unknown >= 0
         sizes = np.concatenate(
             [free[: b * n_vertices].reshape(n_vertices, b).sum(axis=1), free[b * n_vertices :]]
@@ -107,24 +107,27 @@ class Pattern:
         starts = np.concatenate([[0], np.cumsum(sizes)])  # first unknown of each node
 
         self.pairs = NodePairs(mesh)
+        count = np.diff(self.pairs.indptr)
+        # an entry for every unknown of a neighbour, in the rows of nodes that have unknowns
         near_size = sizes[self.pairs.columns]
+        near_size[np.repeat(sizes == 0, count)] = 0
         before = np.concatenate([[0], np.cumsum(near_size)])
         first_of_row = before[self.pairs.indptr]
         width = np.diff(first_of_row)  # entries in each row of a node
-        # where a neighbour's columns begin within the rows of a node
-        self._offset = before[:-1] - np.repeat(first_of_row[:-1], np.diff(self.pairs.indptr))
         indptr = np.concatenate([[0], np.cumsum(np.repeat(width, sizes))])
         self.entries = int(indptr[-1])
         kind = np.int32 if self.entries < 2**31 else np.int64
         self.indptr = indptr.astype(kind)
-        self.indices = np.empty(self.entries, dtype=kind)
-        for size in np.unique(sizes[sizes > 0]):
-            self._fill_columns(np.flatnonzero(sizes == size), int(size), sizes, starts, width)
-
-        node_of_dof = np.concatenate([np.repeat(np.arange(n_vertices), b), n_vertices + np.arange(n_edges)])
-        rank = np.where(free, reduction.unknown - starts[node_of_dof], 0)  # among the unknowns of the node
-        self._rank = rank.astype(np.int32)
-        self._row_start = (indptr[starts[:-1]][node_of_dof] + rank * width[node_of_dof]).astype(kind)
+        # where the block of a pair begins: the first unknown of the neighbour in the first row of the node
+        shift = self.indptr[starts[:-1]] - first_of_row[:-1].astype(kind)
+        self._block = before[:-1].astype(kind) + np.repeat(shift, count)
+        if b == 1:
+            self.indices = starts[self.pairs.columns[near_size > 0]].astype(kind)
+        else:
+            self.indices = np.empty(self.entries, dtype=kind)
+            for size in np.unique(sizes[sizes > 0]):
+                self._fill_columns(np.flatnonzero(sizes == size), int(size), sizes, starts, width)
+        self._starts, self._width = starts, width.astype(np.int32)
 
     def _fill_columns(self, nodes: Ints, size: int, sizes: Ints, starts: Ints, width: Ints) -> None:
         """Write the column numbers of all rows of nodes that have ``size`` unknowns."""
@@ -132,20 +135,15 @@ class Pattern:
         near = self.pairs.columns[ranges(begin, self.pairs.indptr[nodes + 1] - begin)]
         columns = ranges(starts[near], sizes[near])
         place = self.indptr[starts[nodes]].astype(np.int64)
-        if len(self.indices) == len(columns):  # one unknown at every node: the columns are complete
-            self.indices[:] = columns
-            return
         for r in range(size):
             self.indices[ranges(place + r * width[nodes], width[nodes])] = columns
 
-    def positions(self, triangles: Ints, dofs: Ints, unknown: Ints32) -> NDArray[np.intp]:
+    def positions(self, triangles: Ints, unknown: Ints32) -> NDArray[np.intp]:
         """Where the entries of element matrices go in the data array.
 
         Parameters
         ----------
         triangles : (n,) int array
-        dofs : (n, local) int array
-            Their degrees of freedom.
         unknown : (n, local) int array
             Unknown numbers, -1 for fixed columns.
 
@@ -153,12 +151,18 @@ class Pattern:
         -------
         (n, local, local) int array; entries of fixed rows or columns point one past the end.
         """
-        layout = self.reduction.layout
-        offset = self._offset[self.pairs.of_triangles(triangles)]  # (n, 6, 6)
-        if layout.per_vertex > 1:
-            local_node = np.concatenate([np.repeat(np.arange(3), layout.per_vertex), [3, 4, 5]])
-            offset = offset[:, local_node][:, :, local_node] + self._rank[dofs][:, None, :]
-        out = offset + self._row_start[dofs][:, :, None]
+        per_vertex = self.reduction.layout.per_vertex
+        out = self._block[self.pairs.of_triangles(triangles)].astype(np.intp)  # (n, 6, 6)
+        if per_vertex > 1:
+            local_node = np.concatenate([np.repeat(np.arange(3), per_vertex), [3, 4, 5]])
+            mesh = self.reduction.layout.mesh
+            nodes = np.concatenate(
+                [mesh.triangles[triangles], len(mesh.points) + mesh.triangle_edges[triangles]], axis=1
+            )[:, local_node]
+            rank = np.where(unknown < 0, 0, unknown - self._starts[nodes])  # among the unknowns of the node
+            out = out[:, local_node][:, :, local_node]
+            out += (rank * self._width[nodes])[:, :, None]
+            out += rank[:, None, :]
         fixed = unknown < 0
         if fixed.any():
             out[fixed[:, :, None] | fixed[:, None, :]] = self.entries

@@ -173,7 +173,10 @@ class ReactionFinder:
         return float(np.abs(np.sum(parts, axis=0)).max() / largest)
 
     def _corner_forces(self, fields: Fields) -> list[dict[str, Any]]:
-        """Concentrated reactions where two edges that hold w meet at a corner: the jump of M_nt."""
+        """Concentrated reactions at corners where an edge that holds w ends: the jump of M_nt.
+
+        The other edge of the corner may hold w, too, or be free: a plate on two opposite sides has them.
+        """
         if not fields.polynomial_moments:
             return []
         mesh, boundary = self.domain.mesh, self.domain.boundary
@@ -181,24 +184,24 @@ class ReactionFinder:
         for group in self.supports.held:
             for e in group.line.tolist():
                 edge_groups.setdefault(e, []).append(group.label)
+        supported = np.array([e for e in edge_groups if mesh.edge_counts[e] == 1], dtype=np.int64)
+        held = np.isin(mesh.edges[boundary.edges], mesh.edges[supported])  # (boundary edge, end)
         around: dict[int, list[tuple[int, int]]] = {}
-        for e in edge_groups:
-            if mesh.edge_counts[e] == 1:
-                for end, v in enumerate(mesh.edges[e].tolist()):
-                    around.setdefault(v, []).append((e, end))
+        for k, end in np.argwhere(held).tolist():
+            e = int(boundary.edges[k])
+            around.setdefault(int(mesh.edges[e, end]), []).append((e, end))
         out = []
         for v, pair in around.items():
             if len(pair) != 2:
                 continue
-            twist, tangent = [], []
-            for e, end in pair:
-                t = boundary.tangent[boundary.place(np.array([e]))[0], end]
-                value, along = self._twist(fields, e, v, t)
-                twist.append(value if along == "out" else -value)
-                tangent.append(t)
+            tangent = [boundary.tangent[boundary.place(np.array([e]))[0], end] for e, end in pair]
             if abs(tangent[0][0] * tangent[1][1] - tangent[0][1] * tangent[1][0]) < 1e-6:
                 continue  # no corner
-            labels = sorted({name for e, _ in pair for name in edge_groups[e]})
+            twist = []
+            for (e, _), t in zip(pair, tangent, strict=True):
+                value, along = self._twist(fields, e, v, t)
+                twist.append(value if along == "out" else -value)
+            labels = sorted({name for e, _ in pair for name in edge_groups.get(e, [])})
             out.append({"at": mesh.points[v], "force": np.array([0.0, 0.0, sum(twist)]), "groups": labels})
         return out
 

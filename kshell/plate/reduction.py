@@ -207,7 +207,7 @@ class Reduction:
     def expand(self, q: Floats) -> Floats:
         """All degrees of freedom d (dof,), physical, from the unknowns."""
         layout = self.layout
-        d = np.where(self.unknown >= 0, q[self.unknown], 0.0)
+        d = np.append(q, 0.0)[self.unknown]  # -1, a fixed direction, takes the last entry
         slots = layout.vertex_dofs(self.vertices)
         d[slots.ravel()] = (self.bases @ d[slots][:, :, None]).ravel()
         d = d * layout.scale

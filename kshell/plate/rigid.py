@@ -134,10 +134,9 @@ def _words(
     if free.shape[1] == 2:
         # all remaining motions vanish at one point, or all are tilts (w prescribed nowhere)
         offset, slopes = free[0], free[1:] / size
-        if np.abs(offset).max() < 1e-6:
-            point = centre
-        else:
-            point = centre + np.linalg.lstsq(slopes.T, -offset, rcond=None)[0]
+        point = centre.copy()
+        if np.abs(offset).max() >= 1e-6:
+            point += np.linalg.lstsq(slopes.T, -offset, rcond=None)[0]
         if np.abs(slopes.T @ (point - centre) + offset).max() < 1e-6 * np.abs(free).max():
             return (
                 f"the plate{where} is held at a single point: it can tilt in any direction about {place(point)}; "

@@ -33,7 +33,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SAMPLES = np.linspace(0.0, 1.0, 6)  # where prescribed values are read along an edge: a quintic
-SYMMETRY_STRAIGHT = 1e-6
 NONE = np.zeros(0, dtype=np.int64)
 
 
@@ -290,17 +289,15 @@ class _Builder:
             conditions.triangle_rows.append(rows)
 
     def _require_straight(self, edges: Ints, label: str) -> None:
-        ends = self.domain.points[self.mesh.edges[edges]]
-        vertices = ends.reshape(-1, 2)
-        centre = vertices.mean(axis=0)
-        _, size, axes = np.linalg.svd(vertices - centre, full_matrices=False)
-        off = np.abs((vertices - centre) @ axes[1])
-        if off.max() > SYMMETRY_STRAIGHT * max(size[0], 1e-300):
-            worst = vertices[int(off.argmax())]
+        """Lines of symmetry may meet at corners, but each must be straight."""
+        curves = edge_curves(self.mesh, edges.astype(np.int32))
+        if curves.curved.any():
+            edge = curves.edges[int(np.abs(curves.shape).max(axis=(1, 2)).argmax())]
+            where = self.domain.points[self.mesh.edges[edge]].mean(axis=0)
             raise InputError(
-                f"support symmetry on '{label}': the group is not straight ({place(worst)} lies {off.max():.3g} "
-                "off its line), and only a straight edge can be a line of symmetry; split the group, or hold "
-                'the rotation alone with fix = "r"'
+                f"support symmetry on '{label}': the group is not straight but curved near {place(where)}, and "
+                "only a straight edge can be a line of symmetry; split the group, or hold the rotation alone "
+                'with fix = "r"'
             )
 
     def _springs(self, support: Any, selection: Selection, what: str) -> None:

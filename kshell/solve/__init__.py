@@ -1,4 +1,4 @@
-"""Linear solvers: one call that takes matrix, loads and the space behind them, and says what it did and why."""
+"""Linear solvers: one call takes matrix, loads and the space behind them, and says what it did and why."""
 
 from kshell.solve.call import prepare, solve_system
 from kshell.solve.checks import FreeMotion

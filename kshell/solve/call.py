@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from kshell.errors import InputError
-from kshell.solve.backends import BACKENDS, backend_named, installed_backends
+import scipy.sparse as sp
+
+from kshell.solve.auto import choose
 from kshell.solve.direct import Factorisation
 from kshell.solve.system import Floats, PlateSpace, Prepared, Progress, Solution
-
-METHODS = ("auto", "direct", "multigrid", *(backend.key for backend in BACKENDS))
 
 
 def prepare(matrix: Any, space: PlateSpace | None = None, method: str = "auto") -> Prepared:
@@ -31,12 +30,14 @@ def prepare(matrix: Any, space: PlateSpace | None = None, method: str = "auto") 
     SolveError
         For a singular matrix; `state` is a `FreeMotion` that names the motion.
     """
-    if method not in METHODS:
-        raise InputError(f"unknown solver {method!r}: choose one of {', '.join(METHODS)}")
-    if method in ("auto", "direct"):
-        backend = installed_backends()[0]
-        return Factorisation(matrix, backend, f"the fastest factorisation installed is {backend.name}", space)
-    return Factorisation(matrix, backend_named(method), "asked for by name", space)
+    matrix = matrix.tocsr() if sp.issparse(matrix) else sp.csr_matrix(matrix)
+    choice = choose(matrix, space, method)
+    if choice.backend is None:
+        from kshell.solve.multigrid.solver import Multigrid
+
+        assert space is not None  # `choose` takes multigrid only then
+        return Multigrid(matrix, space, choice.why, choice.warnings)
+    return Factorisation(matrix, choice.backend, choice.why, space, choice.warnings)
 
 
 def solve_system(
@@ -52,7 +53,8 @@ def solve_system(
     Parameters
     ----------
     tolerance : float, optional
-        Relative error in the energy norm. By default a direct solver goes to rounding.
+        Relative error in the energy norm. By default a direct solver goes to rounding, multigrid to a
+        tenth of the discretisation error (Morley) or to 1e-9 (Argyris).
     progress : function, optional
         Called with the iteration and its estimated relative energy error.
 

@@ -119,7 +119,7 @@ class Factorisation(Prepared):
         if not np.isfinite(x).all() or not history[-1] <= limit:
             raise SolveError(
                 f"{self.name}: iterative refinement stalled at a relative energy error of {history[-1]:.1e}; "
-                "the system is nearly singular. Look for parts that hang together at a single vertex, and for "
+                "the system is nearly singular. Look for parts that hang together at a vertex, and for "
                 "stiffnesses or triangle sizes that differ by many orders of magnitude",
                 state=solution,
             )

@@ -50,6 +50,9 @@ class PlateSpace:
         Orthogonal columns that span (w, w_x, w_y) at each vertex.
     vertex_mask : (vertex, 3) bool array
         Which of these columns the supports admit.
+    stiffness : (triangle,) float array, optional
+        Bending stiffness of each triangle in any one measure. Give it where it jumps: the coarse levels then
+        follow the interfaces.
     """
 
     element: Literal["morley", "argyris"]
@@ -61,6 +64,7 @@ class PlateSpace:
     reduction: Any
     vertex_basis: Floats
     vertex_mask: NDArray[np.bool_]
+    stiffness: Floats | None = None
 
     def __post_init__(self) -> None:
         vertices, edges = len(self.points), len(self.edges)
@@ -75,6 +79,8 @@ class PlateSpace:
             "vertex_basis": (vertices, 3, 3),
             "vertex_mask": (vertices, 3),
         }
+        if self.stiffness is not None:
+            shapes["stiffness"] = (len(self.triangles),)
         for name, shape in shapes.items():
             found = np.shape(getattr(self, name))
             if found != shape:

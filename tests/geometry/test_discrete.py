@@ -24,53 +24,10 @@ from kshell.geometry.discrete import (
     vertex_normals,
     volume,
 )
-from kshell.mesh.mesh import Mesh
+from verification.geometry.convergence import torus_errors
+from verification.geometry.meshes import lantern, mesh_of, random_sphere, vertex_ring
 
 few = settings(max_examples=8, deadline=None, derandomize=True)
-
-
-def mesh_of(points: np.ndarray, triangles: np.ndarray) -> Mesh:
-    return Mesh(np.asarray(points, float), np.asarray(triangles, np.int32))
-
-
-def ring(n: int, k1: float, k2: float, turn: float, eta: float) -> Mesh:
-    """A vertex of valence n on z = (k1 x^2 + k2 y^2)/2 whose neighbours are equally spaced at distance eta."""
-    angle = turn + 2 * np.pi * np.arange(n) / n
-    x, y = np.cos(angle), np.sin(angle)
-    # distance eta in space, so that the triangles are as in the literature
-    r = np.full(n, eta)
-    for _ in range(30):
-        z = 0.5 * (k1 * (r * x) ** 2 + k2 * (r * y) ** 2)
-        r = r * eta / np.hypot(r, z)
-    z = 0.5 * (k1 * (r * x) ** 2 + k2 * (r * y) ** 2)
-    points = np.vstack([[0, 0, 0], np.stack([r * x, r * y, z], 1)])
-    return mesh_of(points, [[0, 1 + i, 1 + (i + 1) % n] for i in range(n)])
-
-
-def random_sphere(n: int, seed: int, radius: float = 1.0) -> Mesh:
-    """The Delaunay triangulation of random points on a sphere, normals inward."""
-    x = np.random.default_rng(seed).normal(size=(n, 3))
-    x /= np.linalg.norm(x, axis=1, keepdims=True)
-    t = ConvexHull(x).simplices
-    inward = np.sum(np.cross(x[t[:, 1]] - x[t[:, 0]], x[t[:, 2]] - x[t[:, 0]]) * x[t[:, 0]], axis=1) < 0
-    t[~inward] = t[~inward][:, ::-1]
-    return mesh_of(radius * x, t)
-
-
-def lantern(n: int, bands: int) -> Mesh:
-    """Schwarz's lantern in the cylinder of radius and height 1: bands of 2 n triangles, each turned."""
-    j, i = np.meshgrid(np.arange(bands + 1), np.arange(n), indexing="ij")
-    angle = 2 * np.pi * (i + 0.5 * (j % 2)) / n
-    points = np.stack([np.cos(angle), np.sin(angle), j / bands], axis=-1).reshape(-1, 3)
-    b, p = j[:-1], i[:-1]
-    low_p, low_q = b * n + p, b * n + (p + 1) % n
-    high_p, high_q = low_p + n, low_q + n
-    even = [[low_p, low_q, high_p], [low_q, high_q, high_p]]
-    odd = [[low_p, high_q, high_p], [low_p, low_q, high_q]]
-    triangles = np.where(
-        (b % 2 == 0)[..., None, None], np.moveaxis(even, (0, 1), (2, 3)), np.moveaxis(odd, (0, 1), (2, 3))
-    )
-    return mesh_of(points, triangles.reshape(-1, 3))
 
 
 # --- exact statements --------------------------------------------------------------------------------
@@ -150,14 +107,14 @@ VALENCE = [  # n, turn by pi/n, k1, k2, limit of angle defect over a third of th
 
 @pytest.mark.parametrize(("n", "turn", "k1", "k2", "limit"), VALENCE)
 def test_angle_defect_tends_to_the_curvature_at_valence_six_only(n, turn, k1, k2, limit) -> None:
-    mesh = ring(n, k1, k2, np.pi / n if turn else 0.0, eta=1e-3)
+    mesh = vertex_ring(n, k1, k2, np.pi / n if turn else 0.0, eta=1e-3)
     value = angle_defect(mesh)[0] / vertex_areas(mesh, "barycentric")[0]
     assert value == pytest.approx(limit, abs=5e-5)
 
 
 @pytest.mark.parametrize("n", [3, 4, 5, 6, 7, 8, 12])
 def test_cotangent_mean_curvature_needs_the_voronoi_area(n: int) -> None:
-    mesh = ring(n, 2.0, 1.0, 0.3, eta=1e-4)
+    mesh = vertex_ring(n, 2.0, 1.0, 0.3, eta=1e-4)
     flat = {3: 3.0, 4: 1.5, 5: 1.145898033750315, 6: 1.0, 7: 0.9239355851097124, 8: 0.8786796564403574,
             12: 0.8038475772933681}  # fmt: skip
     for kind, ratio in (("barycentric", flat[n]), ("voronoi", 1.0)):
@@ -167,52 +124,6 @@ def test_cotangent_mean_curvature_needs_the_voronoi_area(n: int) -> None:
 
 
 # --- convergence -----------------------------------------------------------------------------------------
-
-
-def torus_errors(n: int, pattern: str = "diagonal", shake: float = 0.0) -> dict[str, float]:
-    """Largest errors on the torus R = 2, r = 1; `shake` moves the vertices along the surface."""
-    torus = g.Torus(2, 1)
-    flat = torus.parameter_mesh(2 * n, n, pattern=pattern)
-    mesh = torus.mesh(2 * n, n, order=1, pattern=pattern)
-    u, v = parameters(flat, mesh, torus)
-    rng = np.random.default_rng(n)
-    size = 2 * np.pi / n
-    u = u + shake * size / 2 * rng.uniform(-1, 1, u.shape)
-    v = v + shake * size * rng.uniform(-1, 1, v.shape)
-    mesh = mesh_of(torus(u, v), mesh.triangles)
-    s = torus.at(u, v)
-    exact = s.principal_curvatures
-    fit, balls = principal(mesh), normal_cycle(mesh, 1.3 * np.sqrt(size))
-    turn = 1.0 - np.abs(np.sum(fit.principal_directions[:, 0] * s.principal_directions[:, 0], axis=1))
-    middle = (mesh.points[mesh.edges].sum(axis=1)) / 2
-    x, y, z = middle.T
-    phi, out = np.arctan2(y, x), np.hypot(x, y) - 2
-    normals = torus.at(phi, np.arctan2(-z, out)).normal
-    form = midedge(mesh, normals)
-    centre = mesh.points[mesh.triangles].mean(axis=1)
-    at_centre = torus.at(
-        np.arctan2(centre[:, 1], centre[:, 0]), np.arctan2(-centre[:, 2], np.hypot(*centre.T[:2]) - 2)
-    )
-    k_mid = at_centre.principal_curvatures
-    return {
-        "area": abs(area(mesh) - torus.area()),
-        "defect": np.abs(gaussian_curvature(mesh) - s.gaussian_curvature).max(),
-        "cotangent": np.abs(mean_curvature(mesh) - s.mean_curvature).max(),
-        "principal": np.abs(fit.principal_curvatures - exact).max(),
-        "direction": turn.max(),
-        "cycle": np.abs(balls.principal_curvatures - exact).max(),
-        "cycle_defect": np.sqrt(np.mean((balls.defect - s.gaussian_curvature) ** 2)),
-        "midedge_exact": np.abs(form.principal_curvatures - k_mid).max(),
-        "midedge_mean": np.abs(midedge(mesh).principal_curvatures - k_mid).max(),
-    }
-
-
-def parameters(flat: Mesh, mesh: Mesh, torus: g.Chart) -> tuple[np.ndarray, np.ndarray]:
-    """Parameters of the vertices of the closed mesh: those of the flat mesh's vertices at the same places."""
-    from scipy.spatial import KDTree
-
-    index = KDTree(torus(flat.points[:, 0], flat.points[:, 1])).query(mesh.points)[1]
-    return flat.points[index, 0], flat.points[index, 1]
 
 
 @pytest.fixture(scope="module")
@@ -228,9 +139,9 @@ def errors() -> dict[str, tuple[dict[str, float], dict[str, float]]]:
 # mesh, quantity, least rate: errors fall by 2^rate when the edges are halved
 RATES = [
     ("regular", "area", 1.9), ("regular", "defect", 1.8), ("regular", "cotangent", 1.8),
-    ("regular", "principal", 1.8), ("regular", "direction", 3.5), ("regular", "midedge_exact", 0.9),
+    ("regular", "principal", 1.8), ("regular", "direction", 1.7), ("regular", "midedge_exact", 0.9),
     ("crossed", "area", 1.9), ("crossed", "principal", 1.6), ("crossed", "midedge_exact", 0.9),
-    ("shaken", "area", 1.9), ("shaken", "principal", 1.5), ("shaken", "direction", 2.5),
+    ("shaken", "area", 1.9), ("shaken", "principal", 1.5), ("shaken", "direction", 1.5),
     ("shaken", "midedge_exact", 0.8), ("shaken", "cycle", 0.5), ("regular", "cycle", 0.5),
     ("regular", "cycle_defect", 0.5), ("shaken", "cycle_defect", 0.5),
 ]  # fmt: skip
@@ -243,7 +154,10 @@ def test_converges(errors, mesh: str, quantity: str, rate: float) -> None:
 
 
 # known not to converge pointwise: the error stays, here above these values
-STUCK = [("crossed", "defect", 0.1), ("shaken", "defect", 0.25), ("shaken", "midedge_mean", 0.2)]
+STUCK = [
+    ("crossed", "defect", 1.5), ("crossed", "cotangent", 1.0), ("crossed", "midedge_mean", 2.0),
+    ("shaken", "defect", 0.2), ("shaken", "cotangent", 0.15), ("shaken", "midedge_mean", 1.5),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("mesh", "quantity", "least"), STUCK)
@@ -258,12 +172,13 @@ def test_random_sphere() -> None:
     mesh = random_sphere(800, seed=1, radius=2.0)
     fit = principal(mesh)
     np.testing.assert_allclose(fit.principal_curvatures, 0.5, atol=0.06)
-    assert np.sqrt(np.mean((fit.principal_curvatures - 0.5) ** 2)) < 0.012
-    np.testing.assert_allclose(fit.normal, -mesh.points / 2.0, atol=0.015)
+    assert np.sqrt(np.mean((fit.principal_curvatures - 0.5) ** 2)) < 0.02
+    np.testing.assert_allclose(fit.normal, -mesh.points / 2.0, atol=0.02)
     assert np.abs(gaussian_curvature(mesh, "barycentric") - 0.25).max() > 0.1
     balls = normal_cycle(mesh, 0.8)
-    np.testing.assert_allclose(balls.defect, 0.25, rtol=0.05)
-    np.testing.assert_allclose(balls.principal_curvatures, 0.5, rtol=0.12)
+    assert balls.defect.mean() == pytest.approx(0.25, rel=0.02)
+    assert np.sqrt(np.mean((balls.defect - 0.25) ** 2)) < 0.02
+    assert np.sqrt(np.mean((balls.principal_curvatures - 0.5) ** 2)) < 0.05
 
 
 # --- the Schwarz lantern -----------------------------------------------------------------------------------
@@ -344,6 +259,25 @@ def test_midedge_at_a_boundary() -> None:
     assert np.isfinite(form.mean_curvature[~touches]).all()
     with pytest.raises(InputError, match="one for each edge"):
         midedge(mesh, np.zeros((3, 3)))
+
+
+# --- libigl 2.6.3, of which these are the numbers (verification/geometry/against_libigl.py recomputes them) ---
+
+LIBIGL = {  # vertex: angle defect, mixed Voronoi area, mean curvature vector
+    0: (0.021087856493653967, 0.6847689154578853, (0.0, 0.0, -0.38563418982580766)),
+    3: (0.2959017463166478, 0.523659984877644, (-1.0471439706558237, 0.0, -1.1246420170131346)),
+    25: (0.15243043925922195, 0.6324009119296171, (0.0, -1.099131786319667, -0.8380274542035729)),
+    50: (0.01742826444728296, 0.3586177842092281, (0.08502046288051987, 0.0, 0.5078017374136602)),
+}
+
+
+def test_the_numbers_of_libigl() -> None:
+    mesh = g.Ellipsoid(3, 2, 1).mesh(12, 8, order=1)
+    defect, mixed, vector = angle_defect(mesh), vertex_areas(mesh), mean_curvature_vector(mesh)
+    for vertex, (their_defect, their_area, their_vector) in LIBIGL.items():
+        assert defect[vertex] == pytest.approx(their_defect, rel=1e-12)
+        assert mixed[vertex] == pytest.approx(their_area, rel=1e-12)
+        np.testing.assert_allclose(vector[vertex], their_vector, atol=1e-12)
 
 
 # --- bad meshes --------------------------------------------------------------------------------------------

@@ -20,7 +20,13 @@ EXPECTED_GROUPS = {
 
 
 def write_with_gmsh(
-    path: Path, version: float, binary: bool, order: int, save_all: bool, partitions: int = 0
+    path: Path,
+    version: float,
+    binary: bool,
+    order: int,
+    save_all: bool,
+    partitions: int = 0,
+    parametric: bool = False,
 ) -> None:
     """Two unit squares side by side: overlapping groups, an interior curve, two groups on one curve, a "
     "point."""
@@ -51,6 +57,7 @@ def write_with_gmsh(
             gmsh.model.mesh.partition(partitions)
         gmsh.option.setNumber("Mesh.MshFileVersion", version)
         gmsh.option.setNumber("Mesh.Binary", int(binary))
+        gmsh.option.setNumber("Mesh.SaveParametric", int(parametric))
         gmsh.option.setNumber("Mesh.SaveAll", int(save_all))
         gmsh.write(str(path))
     finally:

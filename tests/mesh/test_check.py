@@ -85,6 +85,21 @@ def test_a_slit_with_named_sides_is_meant():
 def test_thin_triangles_are_no_hanging_nodes(height):
     mesh = Mesh.from_arrays([[0, 0], [1, 0], [0.5, height], [0.5, 1]], [[0, 1, 2], [0, 2, 3], [1, 3, 2]])
     assert mesh.notes == ()
+    alone = Mesh.from_arrays([[0, 0], [1, 0], [0.5, height]], [[0, 1, 2]])  # all vertices on the boundary
+    assert alone.notes == ()
+
+
+def test_the_two_sides_of_a_slit_may_be_meshed_differently():
+    points = [[0, 0], [2, 0], [1, -1], [0, 0], [1, 0], [1, 1], [3, 0]]
+    cells = [[0, 2, 1], [3, 4, 5], [4, 1, 5], [1, 2, 6], [1, 6, 5]]
+    sides = {"below": [[0, 1]], "above": [[3, 4], [4, 1]]}
+    assert Mesh.from_arrays(points, cells, sides).notes == (
+        "slit: 1 pair of vertices at the same place, e.g. at (0, 0)",
+    )
+    points[3] = [-0.5, 0]  # now only the middle of the upper side touches the lower one
+    Mesh.from_arrays(points, cells, sides)
+    with pytest.raises(InputError, match=r"2 hanging nodes: the vertex at \(1, 0\)"):
+        Mesh.from_arrays(points, cells, {"below": sides["below"]})
 
 
 def test_parts_that_are_not_connected_are_said():

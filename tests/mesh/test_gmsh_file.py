@@ -64,6 +64,15 @@ def test_partitioned_files(tmp_path, version, binary):
         assert measures[name] == pytest.approx(measure, rel=1e-9)
 
 
+@pytest.mark.parametrize("binary", [False, True])
+def test_nodes_with_parameters_of_their_curves_and_surfaces(tmp_path, binary):
+    plain, parametric = tmp_path / "plain.msh", tmp_path / "parametric.msh"
+    write_with_gmsh(plain, 4.1, binary, 1, False)
+    write_with_gmsh(parametric, 4.1, binary, 1, False, parametric=True)
+    assert parametric.stat().st_size > plain.stat().st_size
+    np.testing.assert_array_equal(read_mesh(parametric).points, read_mesh(plain).points)
+
+
 def test_save_all_in_the_old_version_is_said(tmp_path):
     path = tmp_path / "old.msh"
     write_with_gmsh(path, 2.2, False, 1, True)

@@ -166,3 +166,23 @@ def test_options_choose_the_element():
     mesh = rectangle(4)
     assert choose_element(SolveOptions(), mesh).element.name == "argyris"
     assert choose_element(SolveOptions(element="morley"), mesh).element.name == "morley"
+
+
+def test_lines_of_symmetry_of_one_group_may_meet_at_a_corner():
+    mesh = rectangle(6)
+    ends = [mesh.edges[mesh.groups[name].members] for name in ("left", "bottom")]
+    both = ks.Mesh.from_arrays(
+        mesh.points,
+        mesh.triangles,
+        {"sym": np.concatenate(ends), "far": mesh.edges[mesh.groups["right"].members]},
+    )
+    a = solve(both, [ks.Symmetry("sym"), ks.Clamped("far")], [ks.Pressure(1.0)])
+    b = solve(mesh, [ks.Symmetry(["left", "bottom"]), ks.Clamped("right")], [ks.Pressure(1.0)])
+    assert np.array_equal(a.fields["displacement"], b.fields["displacement"])
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_a_plate_held_everywhere_does_not_move(element):
+    result = solve(rectangle(2), [ks.Clamped("plate")], [ks.Pressure(1.0)], element)
+    assert not result.fields["displacement"].any()
+    assert result.reactions["plate"]["force"][2] == pytest.approx(-1.0)

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import kshell as ks
-from kshell.elastic import CONSTANTS, elastic_constants
+from kshell.elastic_constants import CONSTANTS, elastic_constants
 from kshell.material import rotated
 
 quick = settings(max_examples=40, derandomize=True, deadline=None)

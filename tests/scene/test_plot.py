@@ -73,6 +73,18 @@ def test_all_supports_and_loads_are_drawn_and_named():
     assert box.x1 <= figure.bbox.x1
 
 
+def test_material_axes_are_drawn():
+    mesh = square_mesh(3)
+    carbon = ks.Orthotropic(E1=140.0, E2=10.0, nu12=0.3, G12=5.0, angle=30)
+    alone = plot_scene(mesh, scene_on(mesh, material=carbon))
+    assert "material axis 1: 30 degrees" in [t.get_text() for t in alone.legends[0].get_texts()]
+    layers = [ks.Layer(carbon, 1.0, a) for a in (0, 60, 60, 0)] + [ks.Layer(ks.Isotropic(E=1, nu=0), 1)]
+    stack = plot_scene(mesh, scene_on(mesh, material=None, thickness=None, layers=layers))
+    words = [t.get_text() for t in stack.legends[0].get_texts()]
+    assert "material axis 1 of layer 1, 4: 30 degrees" in words
+    assert "material axis 1 of layer 2, 3: 90 degrees" in words
+
+
 def test_a_mesh_alone():
     assert plot_scene(square_mesh(3), None).axes[0].get_xlabel() == "x"
 

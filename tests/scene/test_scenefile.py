@@ -168,7 +168,7 @@ def test_overrides(override, value_of):
         ("load.0.kindd=1", ['"kindd"']),
         ("load.1={value = 1}", ["[[load]] 2", "kind is missing"]),
         ("load.0.value=x^2", ["[[load]] 1", "**"]),
-        ("probe.0.at=[1]", ['"centre"', "three numbers"]),
+        ("probe.0.at=[1]", ["[[probe]] 1: at = [1]", "three numbers"]),
         ("probe.0={at = [0, 0, 0]}", ["[[probe]] 1", "name is missing"]),
         ("probe.0.name=3", ["name = 3"]),
         ("probe.0.nam=x", ['did you mean "name"']),

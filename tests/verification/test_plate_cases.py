@@ -1,0 +1,69 @@
+"""Every case on every mesh with every element: values within what is allowed, balance, energy, no warnings."""
+
+import pytest
+
+from verification.cases import all_cases, find
+
+RUNS = [(case, run) for case in all_cases() for run in case.runs]
+UNBALANCED = 1e-6
+
+
+@pytest.mark.parametrize(("case", "run"), RUNS, ids=[f"{case.id}-{run.name}" for case, run in RUNS])
+def test_case(case, run):
+    result = case.solve(run)
+    wrong = [
+        f"{one.quantity} = {one.value:.10g}, reference {one.reference:.10g}: error {one.error:.2e} > {one.allowed:.2e}"
+        for one in case.compare(run, result)
+        if not one.passed
+    ]
+    assert not wrong, "\n".join(wrong)
+    assert result.balance < UNBALANCED
+    # nothing moves by itself: the loads do as much work as is stored
+    assert result.strain_energy == pytest.approx(result.external_work, rel=1e-7)
+    assert result.warnings == []
+
+
+def test_every_quantity_has_a_reference_and_an_allowance():
+    for case in all_cases():
+        for run in case.runs:
+            names = {name for name, quantity in case.quantities.items() if run.element in quantity.elements}
+            assert set(case.allowed[run.name]) == names, f"{case.id} {run.name}"
+        assert set(case.quantities) == set(case.references)
+        assert all(reference.uncertainty < 3e-3 for reference in case.references.values())
+
+
+def test_enough_cases():
+    ids = [case.id for case in all_cases()]
+    assert len(set(ids)) == len(ids) >= 105
+    for case in all_cases():
+        assert {run.element for run in case.runs} == {"argyris", "morley"}
+
+
+@pytest.mark.parametrize("sides", [8, 12])
+def test_polygons_do_not_tend_to_the_disk(sides):
+    """Simply supported: the corners of a polygon hold it stiffer than a circle, whose mesh has sides, too."""
+    polygon, disk = find(f"polygon.ss.{sides}"), find("disk.ss.uniform")
+    of_polygon = polygon.quantities["w_c"].of(polygon.solve(polygon.runs[0]))
+    ring = next(run for run in disk.runs if run.name == "argyris-4")
+    of_disk = disk.quantities["w_c"].of(disk.solve(ring))  # 24 straight mesh edges around
+    assert of_polygon == pytest.approx(polygon.references["w_c"].value, rel=5e-3)
+    assert of_disk == pytest.approx(disk.references["w_c"].value, rel=1e-4)
+    assert of_polygon < 0.7 * of_disk
+
+
+@pytest.mark.parametrize(
+    "id",
+    ["ssss.uniform.ba1", "clamped.uniform.ba1", "clamped.point.ba1", "disk.ss.uniform", "annulus.FC.q.b0.2"],
+)
+@pytest.mark.parametrize("element", ["argyris", "morley"])
+def test_quarters_store_a_quarter(id, element):
+    """Compliance and reactions of a quarter between planes of symmetry, four times, against the whole plate."""
+    whole, quarter = find(id), find(f"{id}.quarter")
+    of_whole, of_quarter = (
+        case.solve(next(run for run in case.runs if run.element == element)) for case in (whole, quarter)
+    )
+    close = 5e-4 if element == "argyris" else 0.02
+    assert 4 * of_quarter.strain_energy == pytest.approx(of_whole.strain_energy, rel=close)
+    area = 1e-5 if element == "argyris" else 1e-3  # Morley's plate ends at the chords of curved edges
+    total = [sum(group["force"][2] for group in r.reactions.values()) for r in (of_whole, of_quarter)]
+    assert 4 * total[1] == pytest.approx(total[0], rel=area)

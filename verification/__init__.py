@@ -1,0 +1,1 @@
+"""What kshell is checked against: cases with known answers, charts and benchmarks."""

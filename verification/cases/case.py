@@ -1,0 +1,165 @@
+"""A case: a scene whose answer is known, the numbers to compare, and how close they must come.
+
+References are data: references.json has, for each case, the values, their source and their relative
+uncertainty; allowed.json has the largest relative error of each quantity on each mesh with each element,
+about twice what was measured when the case was made. The meshes are structured, so the errors repeat.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import kshell as ks
+from verification.cases.quantities import Quantity
+
+HERE = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class Run:
+    """One way to solve a case.
+
+    Attributes
+    ----------
+    element : "argyris" or "morley"
+    refinement : int
+        Passed to the case's mesh.
+    order : 1 or 2
+        Of the mesh.
+    """
+
+    element: str
+    refinement: int
+    order: int = 1
+
+    @property
+    def name(self) -> str:
+        """Such as argyris-8, or argyris-8-order2."""
+        return f"{self.element}-{self.refinement}" + ("" if self.order == 1 else f"-order{self.order}")
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A known value.
+
+    Attributes
+    ----------
+    value : float
+    uncertainty : float
+        Relative.
+    """
+
+    value: float
+    uncertainty: float
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One number compared.
+
+    Attributes
+    ----------
+    error, allowed : float
+        Relative to the reference; nothing is allowed where none is recorded.
+    """
+
+    case: str
+    run: str
+    quantity: str
+    unknowns: int
+    value: float
+    reference: float
+    error: float
+    allowed: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is no more than allowed (a NaN is)."""
+        return self.error <= self.allowed
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene whose answer is known.
+
+    Attributes
+    ----------
+    id : str
+        family.what
+    description : str
+    build : function
+        (refinement, order of the mesh) to the scene.
+    quantities : dict of str to Quantity
+    runs : tuple of Run
+    source : str
+        Where the references come from.
+    references : dict of str to Reference
+        One for each quantity.
+    allowed : dict of str to dict of str to float
+        Largest relative error per run and quantity.
+    """
+
+    id: str
+    description: str
+    build: Callable[[int, int], ks.Scene]
+    quantities: Mapping[str, Quantity]
+    runs: tuple[Run, ...]
+    source: str
+    references: Mapping[str, Reference]
+    allowed: Mapping[str, Mapping[str, float]]
+
+    @property
+    def family(self) -> str:
+        """The first word of the id."""
+        return self.id.partition(".")[0]
+
+    def solve(self, run: Run) -> ks.Result:
+        """The result on one mesh with one element."""
+        return ks.solve(self.build(run.refinement, run.order), element=run.element)
+
+    def compare(self, run: Run, result: ks.Result) -> list[Outcome]:
+        """Each quantity the element gives, beside its reference."""
+        out = []
+        for name, quantity in self.quantities.items():
+            if run.element in quantity.elements:
+                value, reference = quantity.of(result), self.references[name].value
+                error = abs(value - reference) / abs(reference)
+                allowed = self.allowed.get(run.name, {}).get(name, 0.0)
+                out.append(
+                    Outcome(self.id, run.name, name, result.unknowns, value, reference, error, allowed)
+                )
+        return out
+
+
+def case(
+    id: str,
+    description: str,
+    build: Callable[[int, int], ks.Scene],
+    quantities: Mapping[str, Quantity],
+    runs: tuple[Run, ...],
+    reference: str | None = None,
+) -> Case:
+    """A case with its references from references.json and its allowed errors from allowed.json.
+
+    ``reference`` is the entry of the references where it is not the id, as for half and quarter models.
+    """
+    entry = _data("references.json")[reference or id]
+    uncertainty = entry["uncertainty"]
+    references = {
+        name: Reference(
+            entry["values"][name], uncertainty[name] if isinstance(uncertainty, dict) else uncertainty
+        )
+        for name in quantities
+    }
+    allowed = _data("allowed.json").get(id, {})
+    return Case(id, description, build, quantities, runs, entry["source"], references, allowed)
+
+
+@cache
+def _data(name: str) -> dict[str, Any]:
+    return json.loads((HERE / name).read_text(encoding="utf-8"))

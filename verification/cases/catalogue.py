@@ -1,0 +1,25 @@
+"""All cases, in the order in which they are reported."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from verification.cases import circular, polygons, rectangles, unstructured
+from verification.cases.case import Case
+
+
+@cache
+def all_cases() -> tuple[Case, ...]:
+    """Every case."""
+    return (*rectangles.cases(), *polygons.cases(), *circular.cases(), *unstructured.cases())
+
+
+def find(id: str) -> Case:
+    """The case with this id.
+
+    Raises
+    ------
+    KeyError
+        If there is none.
+    """
+    return {one.id: one for one in all_cases()}[id]
