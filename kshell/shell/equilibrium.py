@@ -72,8 +72,7 @@ class Problem:
 
     def factorise(self, tangent: sp.spmatrix) -> Factor:
         """The tangent in the free unknowns, factorised."""
-        basis = self.reduction.basis
-        return factorise(basis.T @ tangent @ basis, symmetric=self.follower is None)
+        return factorise(self.reduction.reduce(tangent), symmetric=self.follower is None)
 
     def start(self) -> State:
         """The rest state."""

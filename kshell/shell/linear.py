@@ -71,7 +71,7 @@ def solve_linear(
         stiffness = stiffness + springs
     basis = reduction.basis
     try:
-        solve, _ = installed_backends()[0].factorise((basis.T @ stiffness @ basis).tocsr())
+        solve, _ = installed_backends()[0].factorise(reduction.reduce(stiffness))
     except Singular as error:
         raise SolveError(f"the shell can move freely, or its stiffness is not positive ({error})") from error
 

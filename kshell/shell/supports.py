@@ -23,6 +23,7 @@ Ints = NDArray[np.int32]
 AXES = {"x": 0, "y": 1, "z": 2}
 # a direction that lies this close to the span of the others on a node says nothing new
 DEPENDENT = 1e-6
+ROUNDING = 1e-14
 # how far from its plane, against its size, a symmetric or stiffened edge may lie
 PLANAR = 1e-3
 # degrees by which a surface may miss the right angle to its plane of symmetry; coarse facets miss it by some
@@ -45,6 +46,17 @@ class Reduction(NamedTuple):
     basis: sp.csc_matrix
     given: Floats
     rotations: Ints
+
+    def reduce(self, matrix: sp.spmatrix) -> sp.csr_matrix:
+        """basis^T matrix basis; by picking rows and columns where the basis only picks unknowns."""
+        basis = self.basis
+        if basis.nnz > basis.shape[1]:
+            return (basis.T @ matrix @ basis).tocsr()
+        reduced = matrix.tocsr()[basis.indices][:, basis.indices]
+        if np.any(basis.data != 1.0):
+            signs = sp.diags(basis.data)
+            reduced = signs @ reduced @ signs
+        return reduced.tocsr()
 
 
 class Supports:
@@ -212,6 +224,8 @@ class Supports:
             (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))),
             shape=(surface.unknowns, len(free) + count),
         )
+        basis_matrix.data[np.abs(basis_matrix.data) < ROUNDING] = 0.0
+        basis_matrix.eliminate_zeros()
         return Reduction(basis_matrix, given, rotations)
 
     def _node_conditions(self) -> tuple[NDArray, Floats, NDArray, Floats]:
