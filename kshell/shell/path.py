@@ -150,7 +150,7 @@ class PathFollower:
             f"no equilibrium found on the path near the load factor {state.factor:.6g}", state=state
         )
 
-    def critical(self, before: Step, length: float, along: Floats) -> Critical:
+    def critical(self, before: Step, length: float, along: Floats | None) -> Critical:
         """The critical point within a step of a length from `before`, by bisection."""
         low, direction = before.state, along
         for _ in range(BISECTIONS):
@@ -244,7 +244,7 @@ def follow(
                     state=path,
                 ) from error
             continue
-        if step.state.negative != last.state.negative and before is not None:
+        if step.state.negative != last.state.negative and first is None:
             path.critical.append(follower.critical(last, step_length, before))
         path.states.append(step.state)
         if record is not None:

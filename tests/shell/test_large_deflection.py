@@ -6,7 +6,7 @@ import pytest
 from kshell.errors import SolveError
 from kshell.shell import loads
 from kshell.shell.equilibrium import Problem
-from kshell.shell.newton import load_path
+from kshell.shell.load_steps import load_path
 from kshell.shell.path import PathFollower, follow
 from kshell.shell.section import Section
 from tests.shell.shapes import Model, cylinder, rectangle, sphere
@@ -22,7 +22,7 @@ def cantilever(order, n, load, width=1.0, length=10.0, section=None):
 @pytest.mark.parametrize(("order", "n", "tolerance"), [(1, 32, 4e-3), (2, 8, 2e-4), (3, 8, 1e-4)])
 def test_cantilever_under_end_shear_in_one_step(order, n, tolerance):
     model, problem = cantilever(order, n, lambda s, e: loads.line_force(s, [0, 0, 4.0], e))
-    path = load_path(problem, steps=1)
+    path = load_path(problem, steps=1).states
     tip = 3 * model.vertex(10.0, 0.0)
     assert -path[-1].x[tip] == pytest.approx(3.28941, rel=tolerance)
     assert path[-1].x[tip + 2] == pytest.approx(6.69964, rel=tolerance)
@@ -40,7 +40,7 @@ def test_elastica(alpha, w, u):
     model, problem = cantilever(
         3, 8, lambda s, e: loads.line_force(s, [0, 0, float(alpha)], e), section=section
     )
-    state = load_path(problem, steps=1)[-1]
+    state = load_path(problem, steps=1).states[-1]
     tip = 3 * model.vertex(10.0, 0.0)
     assert state.x[tip + 2] / 10 == pytest.approx(w, rel=1e-4)
     assert -state.x[tip] / 10 == pytest.approx(u, rel=1e-4)
@@ -54,7 +54,7 @@ def test_strip_rolls_up(turns, steps):
     model.supports.clamp(model.edges(0, 0.0))
     model.supports.symmetry(model.edges(1, 0.0))
     load = loads.edge_moment(model.surface, -50 * np.pi / 3 * turns, model.edges(0, 12.0))
-    path = load_path(Problem(model.koiter, model.reduction(), load), steps=steps)
+    path = load_path(Problem(model.koiter, model.reduction(), load), steps=steps).states
     tip = 3 * model.vertex(12.0, 0.0)
     assert path[-1].x[tip] == pytest.approx(-12.0, abs=0.012 * turns**2)
     assert path[-1].x[tip + 2] == pytest.approx(0.0, abs=1e-3 * turns)
@@ -68,7 +68,7 @@ def test_slit_annulus():
     )  # fmt: skip
     model.supports.clamp(model.edges(0, 0.0))
     load = loads.line_force(model.surface, [0, 0, 0.8], model.edges(0, 2 * np.pi))
-    state = load_path(Problem(model.koiter, model.reduction(), load), steps=5)[-1]
+    state = load_path(Problem(model.koiter, model.reduction(), load), steps=5).states[-1]
     inner, outer = (state.x[3 * model.vertex(2 * np.pi, r) + 2] for r in (6.0, 10.0))
     assert inner == pytest.approx(13.891, rel=6e-3)
     assert outer == pytest.approx(17.528, rel=6e-3)
@@ -86,7 +86,7 @@ def test_pinched_hemisphere():
     load = loads.point_force(model.surface, a, [200, 0, 0]) + loads.point_force(
         model.surface, b, [0, -200, 0]
     )
-    state = load_path(Problem(model.koiter, model.reduction(), load), steps=4)[-1]
+    state = load_path(Problem(model.koiter, model.reduction(), load), steps=4).states[-1]
     assert state.x[3 * a] == pytest.approx(4.067, rel=6e-3)
     assert state.x[3 * b + 1] == pytest.approx(-8.178, rel=6e-3)
 
@@ -106,10 +106,19 @@ def roof():
 def test_load_control_stops_at_the_limit_point(roof):
     problem, centre = roof
     with pytest.raises(SolveError, match="turns back") as caught:
-        load_path(problem, steps=4, until=0.8)
-    last = caught.value.state[-1]
+        load_path(problem, steps=4, until=0.8, cross_limits=False)
+    last = caught.value.state.states[-1]
     assert 0.6 < last.factor < 0.7421
     assert last.x[centre] < 0
+
+
+def test_load_steps_go_on_behind_the_limit_points(roof):
+    problem, centre = roof
+    path = load_path(problem, steps=4, until=0.8)
+    assert path.states[-1].factor == pytest.approx(0.8)
+    assert path.states[-1].negative == 0
+    assert -path.states[-1].x[centre] > 25.0
+    assert [c.kind for c in path.critical] == ["limit", "limit"]
 
 
 def test_path_through_both_limit_points(roof):
@@ -149,7 +158,7 @@ def test_follower_pressure_bends_a_strip_to_a_circle_segment():
     problem = Problem(
         model.koiter, model.reduction(), zero, lambda x: loads.follower_pressure(surface, x, 2.0)
     )
-    state = load_path(problem, steps=4)[-1]
+    state = load_path(problem, steps=4).states[-1]
     _, residual, _ = problem.evaluate(state.x, 1.0, 1, state.memory, None)
     reaction = -residual[: surface.rotation_start].reshape(-1, 3)[surface.nodes_of_edges(edge)].sum(axis=0)
     u = surface.split(state.x)[0]
@@ -166,12 +175,12 @@ def test_prescribed_motion_in_steps():
     end = model.surface.nodes_of_edges(model.edges(0, 10.0))
     model.supports.translation(end, "z", [0, 0, 6.0])
     problem = Problem(model.koiter, model.reduction(), np.zeros(model.surface.unknowns))
-    state = load_path(problem, steps=3)[-1]
+    state = load_path(problem, steps=3).states[-1]
     u = model.surface.split(state.x)[0]
     assert np.allclose(u[end, 2], 6.0)
     # the same state under the force that holds it there
     _, residual, _ = problem.evaluate(state.x, 1.0, 1, state.memory, None)
     force = -residual[2 : model.surface.rotation_start : 3][end].sum()
     free, problem = cantilever(2, 8, lambda s, e: loads.line_force(s, [0, 0, force], e))
-    again = load_path(problem, steps=1)[-1]
+    again = load_path(problem, steps=1).states[-1]
     assert again.x[3 * free.vertex(10.0, 0.0) + 2] == pytest.approx(6.0, rel=1e-3)
