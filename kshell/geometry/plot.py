@@ -90,12 +90,15 @@ def principal_directions(
     size = 0.35 * np.sqrt(s.area_element * np.prod(_steps(chart, n, u_range, v_range)))
     k1, k2 = np.moveaxis(s.principal_curvatures, -1, 0)
     umbilic = np.abs(k1 - k2) <= 1e-6 * np.maximum(np.abs(k1), np.abs(k2))
-    for i, (colour, label) in enumerate((("#c44e52", "k1"), ("#4c72b0", "k2"))):
-        d = s.principal_directions[..., i, :] * size[..., None]
+    if umbilic.all():
+        axes.set_title(f"{chart.name}: every point is an umbilic, every direction principal")
+    else:
         lifted = s.point + 0.02 * size[..., None] * s.normal
-        segments = np.stack([lifted - d, lifted + d], axis=-2)[~umbilic]
-        _segments(axes, segments, colour, f"direction of {label}")
-    axes.legend(loc="upper left")
+        for i, (colour, label) in enumerate((("#c44e52", "k1"), ("#4c72b0", "k2"))):
+            d = s.principal_directions[..., i, :] * size[..., None]
+            segments = np.stack([lifted - d, lifted + d], axis=-2)[~umbilic]
+            _segments(axes, segments, colour, f"direction of {label}")
+        axes.legend(loc="upper left")
     _equal(axes, corners)
     return figure
 

@@ -118,8 +118,15 @@ class ChartKoiter(StrainEnergy):
         half = np.empty((count, 3, dofs, 3, dofs))
         for m in range(3):
             for l in range(3):  # noqa: E741
-                right = [s * h[m, l][..., None] * first[b] for s, h, (_, b) in zip(share, by_x, kinematics.PAIRS, strict=True)]
-                right += [-sigma[3 + v] * normal_by_x[a][m, l][..., None] * first[a] for v in range(3) for a in range(2)]
+                right = [
+                    s * h[m, l][..., None] * first[b]
+                    for s, h, (_, b) in zip(share, by_x, kinematics.PAIRS, strict=True)
+                ]
+                right += [
+                    -sigma[3 + v] * normal_by_x[a][m, l][..., None] * first[a]
+                    for v in range(3)
+                    for a in range(2)
+                ]
                 half[:, m, :, l] = np.matmul(transposed, np.concatenate(right, axis=1))
         membrane = np.matmul(d1.swapaxes(1, 2), 0.5 * sigma[0] * d1 + 0.5 * sigma[2] * d2)
         membrane += np.matmul(d2.swapaxes(1, 2), 0.5 * sigma[1] * d2)
@@ -132,6 +139,12 @@ class ChartKoiter(StrainEnergy):
         stiffness = self.stiffness[triangles]
         count, q = stiffness.shape[:2]
         return np.matmul(stiffness, columns.reshape(count, q, 6, -1)).reshape(columns.shape)
+
+    def translation_weights(self) -> Floats:
+        vertices = len(self.surface.mesh.points)
+        result = np.zeros((self.surface.scalars, 3))
+        result[: 6 * vertices : 6] = 1.0 / vertices
+        return result.ravel()
 
     @cached_property
     def sparsity(self) -> Sparsity:

@@ -140,7 +140,10 @@ class ChartSupports:
         basis = sp.csc_matrix(
             (
                 np.concatenate([np.ones(len(rest)), *entries]),
-                (np.concatenate([rest, *rows]), np.concatenate([np.arange(len(rest)), *(c + len(rest) for c in columns)])),
+                (
+                    np.concatenate([rest, *rows]),
+                    np.concatenate([np.arange(len(rest)), *(c + len(rest) for c in columns)]),
+                ),
             ),
             shape=(surface.unknowns, len(rest) + count),
         )
@@ -182,10 +185,14 @@ class ChartSupports:
         return n, n_t, m, m_t, conormal / np.linalg.norm(conormal, axis=1, keepdims=True)
 
     def _conormal(self, edges: ArrayLike) -> Floats:
-        conormals = np.concatenate([self._across(self.surface.mesh.points[v, :2], t)[4] for v, t in self._ends(edges)])
+        conormals = np.concatenate(
+            [self._across(self.surface.mesh.points[v, :2], t)[4] for v, t in self._ends(edges)]
+        )
         return np.linalg.svd(conormals, full_matrices=False)[2][0]
 
-    def _plane(self, edges: ArrayLike, what: str, normal: ArrayLike | None, straight: Floats | None) -> Floats:
+    def _plane(
+        self, edges: ArrayLike, what: str, normal: ArrayLike | None, straight: Floats | None
+    ) -> Floats:
         """Normal of the plane of edges, `straight` where they form a line."""
         vertices = np.unique(self.surface.mesh.edges[np.asarray(edges)])
         x = self.surface.chart.derivatives(*self.surface.mesh.points[vertices, :2].T, order=0)[0]
@@ -216,7 +223,9 @@ class ChartSupports:
 
     def _null_space(self, vertex: int, rows: Floats, values: Floats) -> tuple[Floats, Floats]:
         """Free directions (18, k) and the prescribed motion (18,) of a vertex."""
-        scale = np.repeat(self._size[vertex] ** np.array([0.0, -1, -1, -2, -2, -2]), 3)  # unknowns of one size
+        scale = np.repeat(
+            self._size[vertex] ** np.array([0.0, -1, -1, -2, -2, -2]), 3
+        )  # unknowns of one size
         scaled = rows * scale
         size = np.linalg.norm(scaled, axis=1)
         scaled, right = scaled / size[:, None], values / size
@@ -248,7 +257,14 @@ class ChartSupports:
             tx, ty = t.T
             second = sign * length / 32
             parts = np.stack(
-                [15 / 8 * sign / length, -7 / 16 * tx, -7 / 16 * ty, second * tx**2, 2 * second * tx * ty, second * ty**2],
+                [
+                    15 / 8 * sign / length,
+                    -7 / 16 * tx,
+                    -7 / 16 * ty,
+                    second * tx**2,
+                    2 * second * tx * ty,
+                    second * ty**2,
+                ],
                 axis=1,
             )
             block = np.einsum("e,ex,ek,ey->exky", slant, n, parts, n)

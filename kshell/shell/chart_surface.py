@@ -12,7 +12,7 @@ d2/dv2 at each vertex (i = 6 vertex + k), then the derivative along the edge nor
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,7 @@ from kshell.shell.vectors import cross, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Chosen = slice | NDArray[Any]
 
 # exact for products of second derivatives with a smooth surface; 16 points
 QUADRATURE_DEGREE = 8
@@ -88,13 +89,13 @@ class ChartSurface:
                 "leave such a point out of the mesh"
             )
 
-    def parameters(self, points: ArrayLike, triangles: ArrayLike | slice = slice(None)) -> Floats:
+    def parameters(self, points: ArrayLike, triangles: Chosen = slice(None)) -> Floats:
         """(triangle, point, 2) parameters u, v of reference points."""
         corners = self.affine.corners[triangles]
         points = np.asarray(points, dtype=float).reshape(-1, 2)
         return corners[:, :1] + points @ np.swapaxes(self.affine.jacobian[triangles], 1, 2)
 
-    def geometry(self, points: Floats, triangles: ArrayLike | slice = slice(None)) -> tuple[Floats, Floats, Floats]:
+    def geometry(self, points: Floats, triangles: Chosen = slice(None)) -> tuple[Floats, Floats, Floats]:
         """Position (3, triangle, point), first (2, 3, ...) and second (3, 3, ...) derivatives by reference coordinates.
 
         Second derivatives are listed 11, 22, 12.
@@ -110,14 +111,14 @@ class ChartSurface:
             np.stack([second[0, 0], second[1, 1], second[0, 1]]),
         )
 
-    def shape(self, tables: Floats, triangles: ArrayLike | slice = slice(None)) -> Floats:
+    def shape(self, tables: Floats, triangles: Chosen = slice(None)) -> Floats:
         """Tables (d, q, 21) of the reference basis in the unknowns of triangles: (d, triangle, q, 21)."""
         m = self.transformation[triangles]
         d, q, n = tables.shape
         result = np.matmul(tables.reshape(d * q, n), m)
         return np.ascontiguousarray(np.moveaxis(result.reshape(-1, d, q, n), 1, 0))
 
-    def local(self, x: Floats, triangles: ArrayLike | slice = slice(None)) -> Floats:
+    def local(self, x: Floats, triangles: Chosen = slice(None)) -> Floats:
         """Degrees of freedom of triangles: (3, triangle, 21)."""
         return np.ascontiguousarray(np.moveaxis(x.reshape(-1, 3)[self.scalar[triangles]], 2, 0))
 

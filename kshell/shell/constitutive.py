@@ -28,7 +28,7 @@ from kshell.shell.surface import Surface
 Floats = NDArray[np.float64]
 
 
-def section_at(section: Section, triangles: slice) -> tuple[Floats, Floats, Floats, Floats]:
+def section_at(section: Section, triangles: slice | NDArray) -> tuple[Floats, Floats, Floats, Floats]:
     """A, B, D (triangle or 1, 1, 3, 3) and angle (triangle or 1, 1) of a range of triangles."""
     a, b, d = (
         m[triangles] if len(m) > 1 else m for m in (section.membrane, section.coupling, section.bending)
@@ -69,7 +69,7 @@ def triangle_stiffness(surface: Surface, section: Section, triangles: slice) -> 
         matrix = np.swapaxes(left, -1, -2) @ middle @ right
         return np.ascontiguousarray(np.moveaxis(matrix, (2, 3), (0, 1)))
 
-    flexibility = np.linalg.inv(d)
+    flexibility: Floats = np.asarray(np.linalg.inv(d), dtype=float)
     n = reference.strains
     bending = np.linalg.inv(_integrate(reference, 1 / j**3, product(moment, flexibility, moment)))
     result = np.zeros((len(j), 2 * n, 2 * n))

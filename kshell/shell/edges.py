@@ -59,7 +59,8 @@ def rest_directors(surface: Surface) -> Directors:
     place = surface.triangle_rotations.ravel()
     first = normal[:, first_triangle(surface)]
     side = np.where(dot(normal, first[:, place]) >= 0, 1.0, -1.0)
-    total = np.stack([np.bincount(place, weights=c * side, minlength=first.shape[1]) for c in normal])
+    sums = [np.bincount(place, weights=c * side, minlength=first.shape[1]) for c in normal]
+    total = np.asarray(np.stack(sums), dtype=float)
     return Directors(
         total / norm(total), np.zeros_like(surface.nodes), np.zeros(surface.triangle_rotations.shape)
     )

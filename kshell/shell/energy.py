@@ -27,8 +27,8 @@ class Energy(NamedTuple):
     """Energy of a state, with as many derivatives as were asked for."""
 
     value: float
-    gradient: Floats | None = None  # (unknowns,)
-    hessian: sp.csr_matrix | None = None
+    gradient: Any = None  # (unknowns,), None if not asked for
+    hessian: Any = None  # sparse, None if not asked for
 
 
 class StrainEnergy(ABC):
@@ -68,6 +68,10 @@ class StrainEnergy(ABC):
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         """K times columns (triangle, r, k)."""
 
+    @abstractmethod
+    def translation_weights(self) -> Floats:
+        """(unknowns,) w such that x . (w x) is the mean square translation of the nodes."""
+
     @property
     @abstractmethod
     def sparsity(self) -> Sparsity:
@@ -82,7 +86,9 @@ class StrainEnergy(ABC):
         """K s: (triangle, r)."""
         return np.concatenate([self._apply(t, strain[t, :, None])[:, :, 0] for t in self.blocks])
 
-    def energy(self, x: Floats, derivatives: int = 0, memory: Any = None, stress: Floats | None = None) -> Energy:
+    def energy(
+        self, x: Floats, derivatives: int = 0, memory: Any = None, stress: Floats | None = None
+    ) -> Energy:
         """Energy of a state of finite deformation.
 
         Parameters
@@ -178,7 +184,7 @@ class StrainEnergy(ABC):
     def _gather(self, forces: Floats) -> Floats:
         """Sum of forces (triangle, n) on each unknown."""
         where = self.triangle_unknowns.ravel()
-        return np.bincount(where, weights=forces.ravel(), minlength=self.unknowns)
+        return np.asarray(np.bincount(where, weights=forces.ravel(), minlength=self.unknowns), dtype=float)
 
 
 def in_blocks(count: int, size: int) -> list[slice]:

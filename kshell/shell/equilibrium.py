@@ -70,6 +70,10 @@ class Problem:
             tangent = None if tangent is None else tangent + self.springs
         return Energy(energy.value, energy.gradient, tangent), residual, growth
 
+    def factorise(self, tangent: sp.spmatrix) -> Factor:
+        """The tangent in the free unknowns, factorised."""
+        return factorise(self.reduction.reduce(tangent), symmetric=self.follower is None)
+
     def start(self) -> State:
         """The rest state."""
         return State(0.0, np.zeros(self.energy.unknowns), self.energy.rest)
@@ -117,12 +121,17 @@ class Factor:
         Negative pivots.
     """
 
-    solve: Callable[[Floats], Floats]
+    solve: Callable[[Any], Any]
     negative: int = field(default=0)
 
 
-def factorise(matrix: sp.spmatrix) -> Factor:
+def factorise(matrix: sp.spmatrix, symmetric: bool = True) -> Factor:
     """Cholesky where the matrix is positive definite, else LU with pivots on the diagonal, whose signs count.
+
+    Parameters
+    ----------
+    symmetric : bool
+        False for a tangent with follower loads, which is symmetric only up to terms on free edges.
 
     Raises
     ------
@@ -131,10 +140,12 @@ def factorise(matrix: sp.spmatrix) -> Factor:
     """
     if not np.all(np.isfinite(matrix.data)):
         raise SolveError("the stiffness is not finite: the step led too far away")
-    try:
-        return Factor(installed_backends()[0].factorise(matrix.tocsr())[0])
-    except Singular:
-        pass
+    if symmetric:
+        try:
+            solve: Callable[[Any], Any] = installed_backends()[0].factorise(matrix.tocsr())[0]
+            return Factor(solve)
+        except Singular:
+            pass  # not positive definite: the pivots below say how far
     try:
         lu = splu(
             matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}

@@ -21,7 +21,9 @@ Floats = NDArray[np.float64]
 SHORTEST_PROJECTION = 1e-3
 
 
-def tangent_frame(x: Floats, direction: Floats | None = None, angle: Floats | float = 0.0) -> tuple[Floats, Floats, Floats]:
+def tangent_frame(
+    x: Floats, direction: Floats | None = None, angle: Floats | float = 0.0
+) -> tuple[Floats, Floats, Floats]:
     """Orthonormal frame e_1, e_2 and normal, each (3, ...), from tangents x (2, 3, ...).
 
     Parameters

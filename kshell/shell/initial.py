@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from kshell.shell.frames import components, covariant_to_frame, tangent_frame
 from kshell.shell.koiter import Koiter
 from kshell.shell.loads import Value, evaluate
-from kshell.shell.reference import TWICE, lagrange
-from kshell.shell.vectors import dot
+from kshell.shell.reference import TWICE, first_derivatives, lagrange
+from kshell.shell.vectors import cross, dot
 
 Floats = NDArray[np.float64]
 
@@ -22,6 +22,8 @@ def temperature_strain(
     koiter: Koiter, mean: Value, gradient: Value, expansion: float, triangles: NDArray | None = None
 ) -> Floats:
     """Initial strains s of a rise of temperature, zero outside `triangles`: (triangle, 2 r).
+
+    A uniform rise scales the shell, which changes its second fundamental form: b - B = strain B.
 
     Parameters
     ----------
@@ -38,18 +40,24 @@ def temperature_strain(
     result = np.zeros_like(koiter.initial)
     r = ref.strains
 
-    from kshell.shell.reference import first_derivatives
-
     def metric(tables: Floats) -> Floats:
         x1, x2 = surface.tangents(tables, chosen)
         return np.stack([dot(x1, x1), dot(x2, x2), dot(x1, x2)], axis=-1)  # (triangle, point, v)
 
     points = np.einsum("sn,tnx->tsx", lagrange(surface.order, ref.regge_points), nodes)
-    strain = expansion * evaluate(mean, points, 1)[..., None] * metric(first_derivatives(surface.order, ref.regge_points))
+    strain = (
+        expansion
+        * evaluate(mean, points, 1)[..., None]
+        * metric(first_derivatives(surface.order, ref.regge_points))
+    )
     result[chosen, :r] = np.einsum("rsv,tsv->tr", ref.regge_weights, strain)
 
     points = np.einsum("qn,tnx->tqx", ref.values, nodes)
     curvature = expansion * evaluate(gradient, points, 1)[..., None] * metric(ref.first)
+    x1, x2 = surface.tangents(ref.first, chosen)
+    normal = cross(x1, x2) / surface.area_elements[chosen]
+    form = np.stack([dot(normal, b) for b in surface.jets(surface.nodes, ref.second, chosen)], axis=-1)
+    curvature -= expansion * evaluate(mean, points, 1)[..., None] * form
     result[chosen, r:] = _measured(koiter, curvature, chosen)
     return result
 

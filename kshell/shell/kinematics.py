@@ -111,7 +111,11 @@ def curvature_hessian(state: Curvature, weights: Floats) -> tuple[list[Floats], 
     py_a = from_normal(state.x, py)
     # A_a^T A_b, from [a]x [b]x = b a^T - (a . b) I
     eye = IDENTITY.reshape(3, 3, *(1,) * along.ndim)
-    squares = [eye * dot(x2, x2) - outer(x2, x2), outer(x1, x2) - eye * dot(x1, x2), eye * dot(x1, x1) - outer(x1, x1)]
+    squares = [
+        eye * dot(x2, x2) - outer(x2, x2),
+        outer(x1, x2) - eye * dot(x1, x2),
+        eye * dot(x1, x1) - outer(x1, x1),
+    ]
     along = along / length**2
     by_x = []
     for (a, b), square in zip(PAIRS, squares, strict=True):

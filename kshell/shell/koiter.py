@@ -112,9 +112,7 @@ class Koiter(StrainEnergy):
             shift = surface.jets(memory.base, reference.edge_first, triangles)
             base, moved = base + shift, surface.jets(u - memory.base, reference.edge_first, triangles)
         rotation = surface.triangle_rotations[triangles]
-        angle = kinematics.angle_change(
-            base, moved, reference.edge_tangents.T, memory.vectors[:, rotation]
-        )
+        angle = kinematics.angle_change(base, moved, reference.edge_tangents.T, memory.vectors[:, rotation])
         turn = memory.angle[triangles] + angle.change
         turn += self._edge_signs(triangles) * x[surface.rotation_start + rotation]
 
@@ -172,6 +170,11 @@ class Koiter(StrainEnergy):
 
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         return np.matmul(self.stiffness[triangles], columns)
+
+    def translation_weights(self) -> Floats:
+        result = np.zeros(self.unknowns)
+        result[: self.surface.rotation_start] = 1.0 / self.surface.node_count
+        return result
 
     @cached_property
     def sparsity(self) -> Sparsity:

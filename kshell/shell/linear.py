@@ -14,6 +14,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
+from kshell.shell.energy import StrainEnergy
 from kshell.shell.koiter import Koiter
 from kshell.shell.supports import Reduction
 from kshell.solve.backends import Singular, installed_backends
@@ -24,6 +25,8 @@ MOST_REFINEMENTS = 12
 # relative energy of the last correction; the error of the solution is about its square root smaller
 FINISHED = 1e-20
 HOPELESS = 1e-4
+# stiffness of a motion, against the largest of the matrix, that is rounding
+FREE = 1e-14
 
 
 class LinearSolution(NamedTuple):
@@ -46,7 +49,7 @@ class LinearSolution(NamedTuple):
 
 
 def solve_linear(
-    koiter: Koiter, load: Floats, reduction: Reduction, springs: sp.spmatrix | None = None
+    koiter: StrainEnergy, load: Floats, reduction: Reduction, springs: sp.spmatrix | None = None
 ) -> LinearSolution:
     """Displacements under a load.
 
@@ -68,12 +71,13 @@ def solve_linear(
         stiffness = stiffness + springs
     basis = reduction.basis
     try:
-        solve, _ = installed_backends()[0].factorise((basis.T @ stiffness @ basis).tocsr())
+        solve, _ = installed_backends()[0].factorise(reduction.reduce(stiffness))
     except Singular as error:
         raise SolveError(f"the shell can move freely, or its stiffness is not positive ({error})") from error
 
     x = reduction.given.copy()
-    energy, corrections = 0.0, []
+    energy = 0.0
+    corrections: list[float] = []
     for _ in range(MOST_REFINEMENTS):
         stress = koiter.stress(koiter.linear_strain(x))
         forces = koiter.linear_forces(stress) - load
@@ -91,10 +95,22 @@ def solve_linear(
             break  # rounding: no further digit
         corrections.append(float(np.sqrt(gain / energy)))
         x = x + basis @ step
-    if corrections and len(corrections) > 1 and corrections[-1] > HOPELESS:
+    if len(corrections) > 1 and corrections[-1] > HOPELESS:
+        motion = basis @ step
+        if gain <= FREE * float(motion @ motion) * np.abs(stiffness.diagonal()).max():
+            raise SolveError(f"the shell can move freely{_where(koiter, motion)}: add supports", state=motion)
         raise SolveError(
             f"rounding leaves a relative error of {corrections[-1]:.1e} in the energy norm: the shell is too thin "
             "for the mesh, or hangs on too little",
             state=x,
         )
     return LinearSolution(x, forces, stress, tuple(corrections))
+
+
+def _where(energy: StrainEnergy, motion: Floats) -> str:
+    """Place that moves most, in words, where the discretisation has nodes."""
+    if not isinstance(energy, Koiter):
+        return ""
+    u, _ = energy.surface.split(motion)
+    x, y, z = energy.surface.nodes[np.argmax(np.linalg.norm(u, axis=1))]
+    return f" (it moves most near ({x:.6g}, {y:.6g}, {z:.6g}))"

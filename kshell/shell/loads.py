@@ -28,13 +28,17 @@ def evaluate(value: Value, points: Floats, size: int) -> Floats:
     return np.broadcast_to(found, shape).reshape(points.shape[:-1] if size == 1 else points.shape)
 
 
-def surface_points(surface: Surface, triangles: ArrayLike) -> Floats:
+def surface_points(surface: Surface, triangles: NDArray) -> Floats:
     """Interior quadrature points of triangles on the rest surface: (triangle, q, 3)."""
-    return np.einsum("qn,tnx->tqx", surface.reference.values, surface.nodes[surface.triangle_nodes[triangles]])
+    return np.einsum(
+        "qn,tnx->tqx", surface.reference.values, surface.nodes[surface.triangle_nodes[triangles]]
+    )
 
 
 def _every(surface: Surface, triangles: ArrayLike | None) -> NDArray:
-    return np.arange(len(surface.mesh.triangles)) if triangles is None else np.asarray(triangles, dtype=np.int64)
+    return (
+        np.arange(len(surface.mesh.triangles)) if triangles is None else np.asarray(triangles, dtype=np.int64)
+    )
 
 
 def _add_to_nodes(surface: Surface, nodes: NDArray, forces: Floats) -> Floats:
@@ -91,7 +95,14 @@ def follower_pressure(
     n = nodes.shape[1]
     i, j = 3 * np.repeat(nodes, n, axis=1).ravel(), 3 * np.tile(nodes, (1, n)).ravel()
     rows, columns, entries = [], [], []
-    for r, c, axis, sign in ((0, 1, 2, -1), (0, 2, 1, 1), (1, 0, 2, 1), (1, 2, 0, -1), (2, 0, 1, -1), (2, 1, 0, 1)):
+    for r, c, axis, sign in (
+        (0, 1, 2, -1),
+        (0, 2, 1, 1),
+        (1, 0, 2, 1),
+        (1, 2, 0, -1),
+        (2, 0, 1, -1),
+        (2, 1, 0, 1),
+    ):
         rows.append(i + r)
         columns.append(j + c)
         entries.append(sign * a[axis].ravel())

@@ -63,7 +63,9 @@ def foundation(
     return _spread(surface, surface.triangle_nodes[chosen], blocks, np.asarray(directions, dtype=float))
 
 
-def line_springs(surface: Surface, stiffness: Value, directions: ArrayLike, edges: ArrayLike) -> sp.csr_matrix:
+def line_springs(
+    surface: Surface, stiffness: Value, directions: ArrayLike, edges: ArrayLike
+) -> sp.csr_matrix:
     """Springs along edges; stiffness in force per length and displacement."""
     nodes, shape, weight, points = edge_table(surface, edges, surface.order + 1)
     blocks = _weighted_products(shape, evaluate(stiffness, points, 1) * weight)

@@ -1,4 +1,4 @@
-"""Load steps under large deflections: Newton's method with extrapolated stress, and adaptive steps.
+"""One equilibrium under large deflections: Newton's method with extrapolated stress.
 
 In thin shells plain Newton needs many iterations because membrane stress is linear in the strain but the
 strain is quadratic in the rotations: an iterate slightly off the inextensional path has a huge, wrong
@@ -9,14 +9,11 @@ limit is the same, the way there is several times shorter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
-from kshell.shell.equilibrium import Problem, State, factorise
+from kshell.shell.equilibrium import Problem, State
 
 Floats = NDArray[np.float64]
 
@@ -24,12 +21,7 @@ MOST_ITERATIONS = 25
 # work of the last residual on the last correction, against the work of the load; the error is its square
 FINISHED = 1e-13
 # growth of that work over its first value, after which an iteration is given up
-DIVERGED = 1e8
-# iterations of a step after which the next one is longer, and shorter
-EASY, HARD = 5, 12
-SMALLEST_STEP = 1e-6
-# a step that ends on an unstable branch is repeated with smaller steps down to this part of the first one
-DOUBTFUL_STEP = 1.0 / 16.0
+DIVERGED = 1e5
 
 
 def correct(problem: Problem, state: State, factor: float) -> State:
@@ -52,7 +44,7 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         if iteration == 1 and moved:
             residual = residual - energy.hessian @ shift
         reduced = basis.T @ residual
-        tangent = factorise((basis.T @ energy.hessian @ basis).tocsr())
+        tangent = problem.factorise(energy.hessian)
         step = tangent.solve(reduced)
         work = abs(float(reduced @ step))
         change = basis @ step
@@ -72,71 +64,3 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         f"no equilibrium found at the load factor {factor:.6g} from {state.factor:.6g} in {iteration} iterations",
         state=state,
     )
-
-
-def load_path(
-    problem: Problem,
-    steps: int = 10,
-    until: float = 1.0,
-    start: State | None = None,
-    record: Callable[[State], None] | None = None,
-) -> list[State]:
-    """Follow the equilibrium while the load factor grows.
-
-    A step that fails is halved; steps that converge easily grow.
-
-    Parameters
-    ----------
-    steps : int
-        First guess of the number of steps.
-    until : float
-        Last load factor.
-    start : State, optional
-        The rest state if absent.
-    record : callable, optional
-        Called with every converged state.
-
-    Returns
-    -------
-    list of State
-        The start, and every converged step.
-
-    Raises
-    ------
-    SolveError
-        If steps become too small: a limit point, or no equilibrium; `state` is the list so far.
-    """
-    state = problem.start() if start is None else start
-    path = [state]
-    span = until - state.factor
-    size = span / max(steps, 1)
-    while abs(until - state.factor) > 1e-12 * abs(span):
-        size = np.sign(span) * min(abs(size), abs(until - state.factor))
-        try:
-            found = correct(problem, state, state.factor + size)
-        except SolveError as error:
-            size *= 0.5
-            if abs(size) < SMALLEST_STEP * abs(span):
-                raise SolveError(
-                    f"the load cannot be increased beyond the factor {state.factor:.6g}: the equilibrium ends or turns "
-                    f"back there ({error}); follow it with the analysis 'path'",
-                    state=path,
-                ) from error
-            continue
-        if found.negative > state.negative and abs(size) > DOUBTFUL_STEP * abs(span) / steps:
-            size *= 0.5  # the iteration may have jumped to another branch
-            continue
-        state = found
-        path.append(state)
-        if record is not None:
-            record(state)
-        if state.iterations <= EASY:
-            size *= 1.5
-        elif state.iterations > HARD:
-            size *= 0.7
-    return path
-
-
-def imperfect(problem: Problem, state: State, offset: Floats) -> State:
-    """A start for iterations from a displaced state, for branch switching: (unknowns,) added to x."""
-    return replace(state, x=state.x + offset)

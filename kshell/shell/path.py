@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
-from kshell.shell.equilibrium import Factor, Problem, State, factorise
+from kshell.shell.equilibrium import Factor, Problem, State
 
 Floats = NDArray[np.float64]
 
@@ -67,18 +67,12 @@ class PathFollower:
     Parameters
     ----------
     problem : Problem
-    weights : (unknowns,), optional
-        Weights of the unknowns in the length of a step; by default those of the mean square translation,
-        which needs the surface of a `Koiter` energy.
     """
 
-    def __init__(self, problem: Problem, weights: Floats | None = None) -> None:
+    def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        if weights is None:
-            surface = problem.energy.surface
-            weights = np.zeros(surface.unknowns)
-            weights[: surface.rotation_start] = 1.0 / surface.node_count
-        self.weights = problem.reduction.basis.T @ weights
+        basis = problem.reduction.basis
+        self.weights = basis.multiply(basis).T @ problem.energy.translation_weights()
 
     def arc(self, state: State, length: float, before: Floats | None, along: Floats | None = None) -> Step:
         """A step of a length, on from the motion `before`; or first along a given motion `along` at constant load.
@@ -129,7 +123,7 @@ class PathFollower:
         moved = np.zeros(basis.shape[1])
         for iteration in range(1, MOST_ITERATIONS + 1):
             energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
-            tangent = factorise((basis.T @ energy.hessian @ basis).tocsr())
+            tangent = problem.factorise(energy.hessian)
             reduced = basis.T @ residual
             if np.any(given):
                 growth = growth - energy.hessian @ given
@@ -152,9 +146,11 @@ class PathFollower:
             if iteration > 1 and work <= FINISHED * scale:
                 found = State(factor, x, state.memory, iteration, tangent.negative)
                 return Step(problem.settle(found), moved)
-        raise SolveError(f"no equilibrium found on the path near the load factor {state.factor:.6g}", state=state)
+        raise SolveError(
+            f"no equilibrium found on the path near the load factor {state.factor:.6g}", state=state
+        )
 
-    def critical(self, before: Step, length: float, along: Floats) -> Critical:
+    def critical(self, before: Step, length: float, along: Floats | None) -> Critical:
         """The critical point within a step of a length from `before`, by bisection."""
         low, direction = before.state, along
         for _ in range(BISECTIONS):
@@ -167,7 +163,7 @@ class PathFollower:
                 low, direction = step.state, step.moved
         energy, _, growth = self.problem.evaluate(low.x, low.factor, 2, low.memory, None)
         basis = self.problem.reduction.basis
-        tangent = factorise((basis.T @ energy.hessian @ basis).tocsr())
+        tangent = self.problem.factorise(energy.hessian)
         mode = softest(tangent, basis.shape[1])
         load = basis.T @ growth
         # at a limit point the load works on the mode, at a bifurcation it does not
@@ -244,10 +240,11 @@ def follow(
             step_length *= 0.5
             if step_length < SHORTEST * length:
                 raise SolveError(
-                    f"the path cannot be followed beyond the load factor {last.state.factor:.6g}: {error}", state=path
+                    f"the path cannot be followed beyond the load factor {last.state.factor:.6g}: {error}",
+                    state=path,
                 ) from error
             continue
-        if step.state.negative != last.state.negative and before is not None:
+        if step.state.negative != last.state.negative and first is None:
             path.critical.append(follower.critical(last, step_length, before))
         path.states.append(step.state)
         if record is not None:

@@ -11,10 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.shell.argyris import ChartKoiter
+from kshell.shell.chart_surface import jets_of_basis
 from kshell.shell.constitutive import section_at
 from kshell.shell.frames import components, contravariant_to_frame, covariant_to_frame, tangent_frame
 from kshell.shell.koiter import Koiter
 from kshell.shell.reference import first_derivatives, lagrange
+from kshell.shell.section import Section
 from kshell.shell.surface import Surface
 from kshell.shell.vectors import cross, dot, norm
 
@@ -88,27 +91,72 @@ def resultants(
 
     x = surface.tangents(first_derivatives(surface.order, points), chosen)
     area = norm(cross(x[0], x[1]))
-    a, b, d, angle = section_at(section, chosen)
-    e1, e2, _ = tangent_frame(x, section.direction, angle)
-    f = components(x, e1, e2)
-    # matrices (3, 3, triangle, point) times covariant strains and contravariant moments
     covariant = np.einsum("pk,tkv->vtp", psi, s[:, :r].reshape(len(chosen), -1, 3))
     contravariant = np.einsum("pk,tkv->vtp", psi, m) / area**2
+    position = np.einsum(
+        "pn,tnx->tpx", lagrange(surface.order, points), surface.nodes[surface.triangle_nodes[chosen]]
+    )
+    _, b, d, angle = section_at(section, chosen)
+    f = components(x, *tangent_frame(x, section.direction, angle)[:2])
     e = np.einsum("vwtp,wtp->tpv", covariant_to_frame(f), covariant)
     moment = np.einsum("vwtp,wtp->tpv", contravariant_to_frame(f), contravariant)
-    kappa = np.linalg.solve(np.broadcast_to(d, (*moment.shape, 3)), (moment[..., None] - b @ e[..., None]))
-    force = (a @ e[..., None] + b @ kappa)[..., 0]
+    bent = moment[..., None] - b @ e[..., None]
+    kappa = np.linalg.solve(np.broadcast_to(d, (*moment.shape, 3)), bent)[..., 0]
+    return _in_frame(section, chosen, position, x, e, kappa, moment)
 
+
+def chart_resultants(
+    koiter: ChartKoiter, x: Floats, points: ArrayLike, triangles: NDArray | None = None
+) -> Resultants:
+    """N, M and strains of a state x of the Argyris discretisation, to first order in x.
+
+    Parameters
+    ----------
+    x : (unknowns,)
+    points, triangles :
+        As in `resultants`. Initial strains are those of the nearest quadrature point.
+    """
+    surface, section = koiter.surface, koiter.section
+    chosen = np.arange(len(surface.scalar)) if triangles is None else np.asarray(triangles)
+    points = np.asarray(points, dtype=float).reshape(-1, 2)
+    position, first, second = surface.geometry(points, chosen)
+    local = surface.local(x, chosen)
+    shape = surface.shape(jets_of_basis(points)[1:], chosen)
+    u = np.stack([np.matmul(d, local[..., None])[..., 0] for d in shape])  # (5, 3, triangle, point)
+    big_m = cross(first[0], first[1])
+    n = big_m / norm(big_m)
+    m_change = cross(u[0], first[1]) + cross(first[0], u[1])
+    n_change = (m_change - n * dot(n, m_change)) / norm(big_m)
+    membrane = [dot(first[0], u[0]), dot(first[1], u[1]), 0.5 * (dot(first[0], u[1]) + dot(first[1], u[0]))]
+    bending = [-(dot(n, u[2 + v]) + dot(n_change, second[v])) for v in range(3)]
+    nearest = np.argmin(((points[:, None] - surface.points) ** 2).sum(axis=2), axis=1)
+    initial = koiter.initial[chosen].reshape(len(chosen), -1, 6)[:, nearest]
+    covariant = np.stack(membrane + bending) - np.moveaxis(initial, 2, 0)
+
+    _, b, d, angle = section_at(section, chosen)
+    to_frame = covariant_to_frame(components(first, *tangent_frame(first, section.direction, angle)[:2]))
+    e, kappa = (np.einsum("vwtp,wtp->tpv", to_frame, part) for part in (covariant[:3], covariant[3:]))
+    moment = (b @ e[..., None] + d @ kappa[..., None])[..., 0]
+    return _in_frame(section, chosen, np.moveaxis(position, 0, 2), first, e, kappa, moment)
+
+
+def _in_frame(
+    section: Section, chosen: NDArray, position: Floats, x: Floats, e: Floats, kappa: Floats, moment: Floats
+) -> Resultants:
+    """Strains and moments in the material axes, turned into the frame of the results."""
+    a, b, _, angle = section_at(section, chosen)
+    force = a @ e[..., None] + b @ kappa[..., None]
+    e1, e2, _ = tangent_frame(x, section.direction, angle)
     axes = np.stack(tangent_frame(x))
     turn = np.stack([np.stack([dot(axes[i], e1), dot(axes[i], e2)]) for i in range(2)])
     to_frame = np.moveaxis(contravariant_to_frame(turn), (0, 1), (2, 3))
     return Resultants(
-        position=np.einsum("pn,tnx->tpx", lagrange(surface.order, points), surface.nodes[surface.triangle_nodes[chosen]]),
+        position=position,
         axes=np.moveaxis(axes, (0, 1), (2, 3)),
-        membrane_force=(to_frame @ force[..., None])[..., 0],
+        membrane_force=(to_frame @ force)[..., 0],
         moment=(to_frame @ moment[..., None])[..., 0],
         strain=e,
-        curvature=kappa[..., 0],
+        curvature=kappa,
         to_frame=to_frame,
     )
 
@@ -149,40 +197,3 @@ def energies(koiter: Koiter, strain: Floats) -> tuple[Floats, Floats]:
     r = koiter.surface.reference.strains
     work = 0.5 * strain * koiter.stress(strain)
     return work[:, :r].sum(axis=1), work[:, r:].sum(axis=1)
-
-
-def rotation_axes(surface: Surface) -> Floats:
-    """(rotation, 3) unit tangents of the edges, from the lower to the higher vertex, at their Gauss points."""
-    from kshell.shell.edges import first_triangle
-
-    sign = np.repeat(surface.edge_sign, surface.order, axis=1)
-    tangent = surface.edge_tangents * sign / surface.edge_stretch
-    return np.ascontiguousarray(tangent.reshape(3, -1)[:, first_triangle(surface)].T)
-
-
-def resultant(
-    surface: Surface,
-    forces: Floats,
-    nodes: ArrayLike | None = None,
-    rotations: ArrayLike | None = None,
-    about: ArrayLike = (0.0, 0.0, 0.0),
-) -> tuple[Floats, Floats]:
-    """Force (3,) and moment (3,) of a vector of forces on unknowns.
-
-    Parameters
-    ----------
-    forces : (unknowns,)
-    nodes, rotations : int arrays, optional
-        Which nodes, and which unknown numbers of rotations, take part; all if absent.
-    about : (3,)
-        Where moments are taken.
-    """
-    f, moments = forces[: surface.rotation_start].reshape(-1, 3), forces[surface.rotation_start :]
-    x = surface.nodes - np.asarray(about, dtype=float)
-    axes = rotation_axes(surface)
-    if nodes is not None:
-        f, x = f[nodes], x[nodes]
-    if rotations is not None:
-        some = np.asarray(rotations) - surface.rotation_start
-        moments, axes = moments[some], axes[some]
-    return f.sum(axis=0), np.cross(x, f).sum(axis=0) + moments @ axes

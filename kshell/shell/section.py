@@ -63,14 +63,21 @@ class Section:
         # scaled to the same units: the thickness is of the order sqrt(12 D / A)
         height = np.sqrt(np.trace(d, axis1=1, axis2=2) / np.trace(a, axis1=1, axis2=2))[:, None, None]
         whole = np.concatenate(
-            [np.concatenate([a, b / height], axis=2), np.concatenate([b / height, d / height**2], axis=2)], axis=1
+            [np.concatenate([a, b / height], axis=2), np.concatenate([b / height, d / height**2], axis=2)],
+            axis=1,
         )
         least = np.linalg.eigvalsh(0.5 * (whole + whole.swapaxes(1, 2)))[:, 0]
         if not np.all(least > 0):
             raise InputError(
                 "the section has no positive stiffness: check the elastic constants, the thickness and the layers"
             )
-        return cls(a, b, d, np.atleast_1d(np.asarray(angle, float)), None if direction is None else np.asarray(direction, float))
+        return cls(
+            a,
+            b,
+            d,
+            np.atleast_1d(np.asarray(angle, float)),
+            None if direction is None else np.asarray(direction, float),
+        )
 
     @classmethod
     def from_plane_stress(

@@ -44,7 +44,9 @@ class Sparsity:
         left -= left[np.searchsorted(row, row)]
         self._base = (start[row] + left)[place].reshape(*groups.shape, groups.shape[1]).astype(index)
         self._row_width = width[groups].astype(index)  # (element, g)
-        self._offset = (unknowns - first[groups][:, member]).astype(index)  # (element, n) place within the group
+        self._offset = (unknowns - first[groups][:, member]).astype(
+            index
+        )  # (element, n) place within the group
         self._member = member
 
         self.shape = (int(first[-1]), int(first[-1]))

@@ -48,7 +48,9 @@ class StrainTables:
 
         # half of the symmetric second derivative: 11 and 22 count half, 12 once
         share = [1.0 if a != b else 0.5 for a, b in PAIRS]
-        self._first_pairs = [s * pair(ref.first[a], ref.first[b]) for s, (a, b) in zip(share, PAIRS, strict=True)]
+        self._first_pairs = [
+            s * pair(ref.first[a], ref.first[b]) for s, (a, b) in zip(share, PAIRS, strict=True)
+        ]
         self._mixed_pairs = [[pair(second, first) for first in ref.first] for second in ref.second]
         self._edge_pairs = [
             s * pair(ref.edge_first[a], ref.edge_first[b]) for s, (a, b) in zip(share, PAIRS, strict=True)

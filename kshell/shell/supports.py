@@ -23,6 +23,7 @@ Ints = NDArray[np.int32]
 AXES = {"x": 0, "y": 1, "z": 2}
 # a direction that lies this close to the span of the others on a node says nothing new
 DEPENDENT = 1e-6
+ROUNDING = 1e-14
 # how far from its plane, against its size, a symmetric or stiffened edge may lie
 PLANAR = 1e-3
 # degrees by which a surface may miss the right angle to its plane of symmetry; coarse facets miss it by some
@@ -45,6 +46,17 @@ class Reduction(NamedTuple):
     basis: sp.csc_matrix
     given: Floats
     rotations: Ints
+
+    def reduce(self, matrix: sp.spmatrix) -> sp.csr_matrix:
+        """basis^T matrix basis; by picking rows and columns where the basis only picks unknowns."""
+        basis = self.basis
+        if basis.nnz > basis.shape[1]:
+            return (basis.T @ matrix @ basis).tocsr()
+        reduced = matrix.tocsr()[basis.indices][:, basis.indices]
+        if np.any(basis.data != 1.0):
+            signs = sp.diags(basis.data)
+            reduced = signs @ reduced @ signs
+        return reduced.tocsr()
 
 
 class Supports:
@@ -120,7 +132,9 @@ class Supports:
             If the edges do not lie in one plane, or the surface does not meet it at a right angle.
         """
         conormals = edge_conormals(self.surface, edges)
-        axis = self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        axis = (
+            self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        )
         if axis is None:  # a straight line: the surface tells the plane
             axis = np.linalg.svd(conormals.reshape(-1, 3), full_matrices=False)[2][0]
         self._require_plane(edges, axis, "a symmetry plane")
@@ -142,7 +156,9 @@ class Supports:
         InputError
             If the edges lie in no plane, or in many (a straight line) and `normal` is not given.
         """
-        axis = self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        axis = (
+            self._plane(edges) if normal is None else np.asarray(normal, dtype=float) / np.linalg.norm(normal)
+        )
         if axis is None:
             raise InputError("diaphragm: the edges form a straight line: give the normal of the plane")
         self._require_plane(edges, axis, "a diaphragm")
@@ -165,8 +181,8 @@ class Supports:
         if abs(height[worst]) > PLANAR * size:
             raise InputError(
                 f"{what} needs edges in one plane with normal ({axis[0]:.4g}, {axis[1]:.4g}, {axis[2]:.4g}), but "
-                f"({x[worst][0]:.6g}, {x[worst][1]:.6g}, {x[worst][2]:.6g}) lies {abs(height[worst]):.3g} off the mean: "
-                "split the group by planes"
+                f"({x[worst][0]:.6g}, {x[worst][1]:.6g}, {x[worst][2]:.6g}) lies "
+                f"{abs(height[worst]):.3g} off the mean: split the group by planes"
             )
 
     def reduction(self) -> Reduction:
@@ -208,6 +224,8 @@ class Supports:
             (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))),
             shape=(surface.unknowns, len(free) + count),
         )
+        basis_matrix.data[np.abs(basis_matrix.data) < ROUNDING] = 0.0
+        basis_matrix.eliminate_zeros()
         return Reduction(basis_matrix, given, rotations)
 
     def _node_conditions(self) -> tuple[NDArray, Floats, NDArray, Floats]:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.elements.reference import VERTICES
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
-from kshell.elements.reference import VERTICES
 from kshell.shell.reference import (
     EDGES,
     ReferenceTriangle,
@@ -88,7 +89,7 @@ class Surface:
         corner = mesh.triangles[:, EDGES]  # (triangle, edge, 2)
         self.edge_sign = np.where(corner[..., 0] < corner[..., 1], 1, -1).astype(np.int8)
 
-        columns = [mesh.triangles[:, k] for k in range(3)]
+        columns: list[NDArray[Any]] = [mesh.triangles[:, k] for k in range(3)]
         for edge in range(3):
             first = vertices + mesh.triangle_edges[:, edge].astype(np.int64) * (p - 1)
             ahead = self.edge_sign[:, edge] > 0
@@ -121,7 +122,9 @@ class Surface:
         self.rotation_start = 3 * self.node_count
         self.unknowns = self.rotation_start + p * len(self.rotation_owner)
         # component by component: all x of the nodes of the triangle, then y, then z
-        translations = (3 * self.triangle_nodes[:, None, :] + np.arange(3)[:, None]).reshape(len(mesh.triangles), -1)
+        translations = (3 * self.triangle_nodes[:, None, :] + np.arange(3)[:, None]).reshape(
+            len(mesh.triangles), -1
+        )
         self.triangle_unknowns: Ints = np.concatenate(
             [translations, self.rotation_start + self.triangle_rotations], axis=1
         ).astype(np.int32)
@@ -139,14 +142,22 @@ class Surface:
 
     def _check(self) -> None:
         if self.nodes.shape != (self.node_count, 3) or not np.all(np.isfinite(self.nodes)):
-            raise InputError(f"{self.mesh.source}: the chart does not give a finite point for every node of the mesh")
+            raise InputError(
+                f"{self.mesh.source}: the chart does not give a finite point for every node of the mesh"
+            )
         x1, x2 = self.tangents(self.reference.first)
         normal = cross(x1, x2)
         middle = normal.mean(axis=2, keepdims=True)
         least = np.min(dot(normal, middle), axis=1)
-        side = self.mesh.size if self.nodes is self.flat_nodes else float(np.linalg.norm(np.ptp(self.nodes, axis=0)))
+        side = (
+            self.mesh.size
+            if self.nodes is self.flat_nodes
+            else float(np.linalg.norm(np.ptp(self.nodes, axis=0)))
+        )
         longest = np.max(np.maximum(norm(x1), norm(x2)), axis=1)
-        bad = np.flatnonzero((least <= 0) | (norm(middle)[:, 0] <= 1e-12 * longest * max(longest.max(), 1e-6 * side)))
+        bad = np.flatnonzero(
+            (least <= 0) | (norm(middle)[:, 0] <= 1e-12 * longest * max(longest.max(), 1e-6 * side))
+        )
         if len(bad):
             x, y, z = self.nodes[self.triangle_nodes[bad[0], :3]].mean(axis=0)
             raise InputError(
@@ -236,7 +247,11 @@ class Surface:
     def rotations_of_edges(self, edges: ArrayLike) -> Ints:
         """Unknown numbers of the rotations of edges, all sets at a hinge."""
         sets = np.flatnonzero(np.isin(self.rotation_owner, edges))
-        return (self.rotation_start + self.order * sets[:, None] + np.arange(self.order)).ravel().astype(np.int32)
+        return (
+            (self.rotation_start + self.order * sets[:, None] + np.arange(self.order))
+            .ravel()
+            .astype(np.int32)
+        )
 
     def split(self, x: Floats) -> tuple[Floats, Floats]:
         """Translations (node, 3) and rotations (rotation set, p) of a vector of unknowns."""

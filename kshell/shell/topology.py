@@ -46,7 +46,9 @@ def edge_neighbours(mesh: Mesh) -> tuple[Ints, Ints]:
     order = np.argsort(flat, kind="stable")
     start = np.concatenate([[0], np.cumsum(mesh.edge_counts)[:-1]])
     edges = np.flatnonzero(mesh.edge_counts == 2)
-    return edges.astype(np.int32), np.stack([order[start[edges]], order[start[edges] + 1]], axis=1).astype(np.int32)
+    return edges.astype(np.int32), np.stack([order[start[edges]], order[start[edges] + 1]], axis=1).astype(
+        np.int32
+    )
 
 
 def branch_edges(mesh: Mesh) -> Ints:

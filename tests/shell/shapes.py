@@ -50,7 +50,9 @@ def panel(origin: tuple, along: tuple, across: tuple, n: int = 2) -> tuple[Float
     """A flat grid spanned by two vectors."""
     mesh = rectangle(n, n, 0, 1, 0, 1)
     s = mesh.points
-    return np.asarray(origin, float) + s[:, :1] * np.array(along, float) + s[:, 1:2] * np.array(across, float), mesh.triangles
+    return np.asarray(origin, float) + s[:, :1] * np.array(along, float) + s[:, 1:2] * np.array(
+        across, float
+    ), mesh.triangles
 
 
 def patch() -> Mesh:

@@ -67,9 +67,9 @@ def test_derivatives_against_finite_differences(seed, order, laminate):
     n = koiter.surface.unknowns
     # a finite deformation, smooth enough for finite differences, from turned directors
     smooth = np.zeros(n)
-    smooth[: koiter.surface.rotation_start] = 0.3 * np.sin(
-        koiter.surface.nodes @ rng.normal(size=(3, 3)) + rng.normal(size=3)
-    ).ravel()
+    smooth[: koiter.surface.rotation_start] = (
+        0.3 * np.sin(koiter.surface.nodes @ rng.normal(size=(3, 3)) + rng.normal(size=3)).ravel()
+    )
     x, directors = turn_directors(koiter.surface, koiter.rest, smooth + 0.01 * rng.normal(size=n))
     x = x + 0.003 * rng.normal(size=n)
     step, h = rng.normal(size=n), 1e-6

@@ -23,7 +23,8 @@ def scordelis_lo(order, nx, ny):
 
 
 @pytest.mark.parametrize(
-    ("order", "nx", "ny", "tolerance"), [(1, 32, 32, 3e-2), (2, 16, 16, 1e-4), (3, 8, 4, 1e-5), (3, 10, 4, 1e-5)]
+    ("order", "nx", "ny", "tolerance"),
+    [(1, 32, 32, 3e-2), (2, 16, 16, 1e-4), (3, 8, 4, 1e-5), (3, 10, 4, 1e-5)],
 )
 def test_scordelis_lo_roof(order, nx, ny, tolerance):
     model, answer, deflection = scordelis_lo(order, nx, ny)
@@ -50,7 +51,10 @@ def test_pinched_cylinder(order, n):
 @pytest.mark.parametrize(("order", "n"), [(2, 32), (3, 16)])
 def test_hemisphere_with_hole(order, n):
     model = Model(
-        rectangle(n, n, 0, 5 * np.pi, 0, 4 * np.pi), order, Section.isotropic(6.825e7, 0.3, 0.04), sphere(10.0)
+        rectangle(n, n, 0, 5 * np.pi, 0, 4 * np.pi),
+        order,
+        Section.isotropic(6.825e7, 0.3, 0.04),
+        sphere(10.0),
     )
     model.supports.symmetry(model.edges(0, 0.0))
     model.supports.symmetry(model.edges(0, 5 * np.pi))
@@ -69,7 +73,9 @@ def octant(n):
             number[i, j] = len(number)
     points = np.array([(i / n, j / n, 1 - (i + j) / n) for i, j in number])
     triangles = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in number if i + j < n]
-    triangles += [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in number if i + j < n - 1]
+    triangles += [
+        (number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in number if i + j < n - 1
+    ]
     return Mesh(points, np.array(triangles, dtype=np.int32))
 
 
@@ -90,7 +96,8 @@ def test_full_hemisphere():
 
 
 @pytest.mark.parametrize(
-    ("order", "n", "mean_error", "largest_error"), [(1, 24, 3e-3, 0.06), (2, 12, 5e-5, 3e-3), (3, 8, 2e-5, 1e-3)]
+    ("order", "n", "mean_error", "largest_error"),
+    [(1, 24, 3e-3, 0.06), (2, 12, 5e-5, 3e-3), (3, 8, 2e-5, 1e-3)],
 )
 def test_sphere_under_pressure(order, n, mean_error, largest_error):
     """w = p R^2 (1 - nu) / (2 E t), less (t / R)^2 / 12 of it, and N = p R / 2; three planes of symmetry."""
@@ -133,7 +140,12 @@ def test_raasch_hook(order, n, m):
 
 @pytest.mark.parametrize(
     ("thickness", "force", "axis", "reference"),
-    [(0.32, 1.0, 1, 1.74949e-3), (0.32, 1.0, 2, 5.39965e-3), (0.0032, 1e-6, 1, 1.2928e-3), (0.0032, 1e-6, 2, 5.24974e-3)],
+    [
+        (0.32, 1.0, 1, 1.74949e-3),
+        (0.32, 1.0, 2, 5.39965e-3),
+        (0.0032, 1e-6, 1, 1.2928e-3),
+        (0.0032, 1e-6, 2, 5.24974e-3),
+    ],
 )
 def test_twisted_beam(thickness, force, axis, reference):
     def twist(q):

@@ -34,7 +34,7 @@ def test_every_quantity_has_a_reference_and_an_allowance():
 
 def test_enough_cases():
     ids = [case.id for case in all_cases()]
-    assert len(set(ids)) == len(ids) >= 80
+    assert len(set(ids)) == len(ids) >= 105
     for case in all_cases():
         assert {run.element for run in case.runs} == {"argyris", "morley"}
 

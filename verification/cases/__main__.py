@@ -33,8 +33,12 @@ def line(one: Outcome) -> str:
 
 
 def to_record(one: Outcome, uncertainty: float) -> float:
-    """Twice the measured error, rounded up to two digits; more where rounding or the reference decide."""
-    room = 20.0 if one.quantity.startswith("reaction") and one.error < 1e-6 else 2.0
+    """Twice the measured error (1.3 times where it is large), rounded up to two digits.
+
+    More where rounding decides, as in sums of reactions, or the uncertainty of the reference.
+    """
+    rounding = one.quantity.startswith("reaction") and one.error < 1e-6
+    room = 20.0 if rounding else 2.0 if one.error < 0.05 else 1.3
     least = SUM_LEAST if one.quantity.startswith("reaction") else LEAST
     wanted = max(room * one.error, 2 * uncertainty, least)
     digit = 10.0 ** (math.floor(math.log10(wanted)) - 1)

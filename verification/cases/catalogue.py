@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from functools import cache
 
-from verification.cases import circular, polygons, rectangles
+from verification.cases import circular, polygons, rectangles, unstructured
 from verification.cases.case import Case
 
 
 @cache
 def all_cases() -> tuple[Case, ...]:
     """Every case."""
-    return (*rectangles.cases(), *polygons.cases(), *circular.cases())
+    return (*rectangles.cases(), *polygons.cases(), *circular.cases(), *unstructured.cases())
 
 
 def find(id: str) -> Case:

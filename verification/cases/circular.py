@@ -20,9 +20,14 @@ POINT_LAYERS = 3
 ORIGIN = (0.0, 0.0)
 EDGE = (1.0, 0.0)
 
-RINGS = {  # radius of the hole: kinds of edges and load (q pressure, P force along the inner edge, 1 in all)
-    0.2: "CF.q SF.q FC.q FC.P FS.q FS.P CC.q SS.q SC.q CS.q GC.q GC.P GS.q GS.P",
-    0.5: "SF.q FC.P FS.P CC.q SS.q CS.q GC.q GS.q GS.P",
+RINGS = {  # radius of the hole: kinds of edges and load (q pressure, P force 1 and m moment along the inner edge)
+    0.2: "CF.q SF.q FC.q FC.P FS.q FS.P FS.m CC.q SS.q SC.q CS.q GC.q GC.P GS.q GS.P",
+    0.5: "SF.q FC.P FS.P FS.m CC.q SS.q CS.q GC.q GS.q GS.P",
+}
+LOADS = {
+    "q": "uniform pressure",
+    "P": "force 1 spread along the inner edge",
+    "m": "moment 1 per length along the inner edge",
 }
 
 
@@ -70,8 +75,7 @@ def rings() -> Iterator[Case]:
             inner, outer, load = kind[0], kind[1], kind[3]
             yield case(
                 f"annulus.{kind}.b{b:g}",
-                f"ring of inner radius {b:g}, inner edge {inner}, outer {outer}, "
-                + ("uniform pressure" if load == "q" else "force 1 spread along the inner edge"),
+                f"ring of inner radius {b:g}, inner edge {inner}, outer {outer}, " + LOADS[load],
                 _ring(b, inner, outer, load),
                 _ring_quantities(b, inner, outer, load),
                 runs(6 if b < 0.5 else 4, 24, curved=True),
@@ -93,14 +97,16 @@ def rings() -> Iterator[Case]:
 def _ring(
     b: float, inner: str, outer: str, load: str, quarter: bool = False
 ) -> Callable[[int, int], ks.Scene]:
-    along = ks.LineForce("inner", (0, 0, 1 / (2 * np.pi * b)))
+    loads = {
+        "q": ks.Pressure(1.0),
+        "P": ks.LineForce("inner", (0, 0, 1 / (2 * np.pi * b))),
+        "m": ks.EdgeMoment("inner", 1.0),
+    }
     straight = {"x0": "Y", "y0": "Y"} if quarter else {}
 
     def scene(refinement: int, order: int) -> ks.Scene:
         mesh = meshes.annulus(b, refinement, order, quarter)
-        return plate(
-            mesh, {"inner": inner, "outer": outer, **straight}, [ks.Pressure(1.0) if load == "q" else along]
-        )
+        return plate(mesh, {"inner": inner, "outer": outer, **straight}, [loads[load]])
 
     return scene
 
@@ -118,11 +124,15 @@ def _ring_quantities(b: float, inner: str, outer: str, load: str) -> dict[str, Q
     out["Mt_in"] = At(hole, "My")
     if outer == "C":
         out["Mr_out"] = At(rim, "Mx")
-    if load == "q":
+    if load == "m":
+        out["Mr_mid"] = At(((1 + b) / 2, 0.0), "Mx")
+    if load in "qm":
         out["Mt_out"] = At(rim, "My")
     if inner in "CS" and outer in "CS":
         out["reaction_in"] = Reaction("inner")
-    return {**out, "compliance": Compliance(), "reaction": Reaction()}
+    if load != "m":  # a moment needs no reaction
+        out["reaction"] = Reaction()
+    return {**out, "compliance": Compliance()}
 
 
 def ellipses() -> Iterator[Case]:

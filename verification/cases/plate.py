@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import kshell as ks
@@ -28,7 +29,7 @@ def unit_material(nu: float = 0.3) -> ks.Isotropic:
 
 
 def plate(
-    mesh: ks.Mesh,
+    mesh: ks.Mesh | Path,
     held: Mapping[str, str],
     loads: Sequence[Any],
     material: Any = None,

@@ -14,6 +14,7 @@ import numpy as np
 from kshell.result import Result
 
 EVERY_ELEMENT = ("argyris", "morley")
+ARGYRIS_ONLY = ("argyris",)
 Point = tuple[float, float]
 Component = Literal["w", "Mx", "My", "Mxy", "M1", "M2", "laplacian"]
 
@@ -39,7 +40,7 @@ class At:
     point: Point
     component: Component
     nu: float = 0.3
-    elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
+    elements: tuple[str, ...] = EVERY_ELEMENT
 
     def of(self, result: Result) -> float:
         values = result.at((*self.point, 0.0))
@@ -58,7 +59,7 @@ class EdgeForce:
     point: Point
     normal: Literal["x", "y"]
     size: float = 1.0
-    elements: ClassVar[tuple[str, ...]] = ("argyris",)  # needs third derivatives
+    elements: ClassVar[tuple[str, ...]] = ARGYRIS_ONLY  # needs third derivatives
 
     def of(self, result: Result) -> float:
         axis = "xy".index(self.normal)
@@ -74,7 +75,7 @@ class CornerForce:
     """The concentrated force of the supports on a corner of the plate."""
 
     point: Point
-    elements: ClassVar[tuple[str, ...]] = ("argyris",)
+    elements: ClassVar[tuple[str, ...]] = ARGYRIS_ONLY
 
     def of(self, result: Result) -> float:
         corners = [c for group in result.reactions.values() for c in group.get("corners", [])]

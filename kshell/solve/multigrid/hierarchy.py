@@ -19,7 +19,8 @@ from kshell.solve.backends import SUPERLU, Singular
 from kshell.solve.checks import free_motion_error, softest_vector
 from kshell.solve.multigrid.cloud import Cloud
 from kshell.solve.multigrid.coarsen import coarsen
-from kshell.solve.multigrid.interpolate import interpolation
+from kshell.solve.multigrid.galerkin import galerkin
+from kshell.solve.multigrid.interpolate import interpolation, split_rows
 from kshell.solve.multigrid.smoothers import set_smoothers
 from kshell.solve.multigrid.vertex_space import element_interpolation
 from kshell.solve.system import Floats, PlateSpace
@@ -49,19 +50,22 @@ class Hierarchy:
 
 
 def prolongations(space: PlateSpace) -> tuple[list[Any], list[int], list[str], Cloud]:
-    """Interpolation matrices from the finest to the coarsest level (CSR), without any matrix of the problem.
+    """Interpolation matrices from the finest to the coarsest level, without any matrix of the problem.
 
     Returns
     -------
-    matrices, numbers of vertices of the levels, notes, and the coarsest cloud
+    matrices : list of (n, 3 vertices) BSR matrices of 1 x 3 blocks
+        (w, w_x, w_y) of active vertices; columns that the supports forbid are zero.
+    vertices : list of int
+        Of each vertex level.
+    notes : list of str
+    cloud : Cloud
+        The coarsest level.
     """
     cloud = Cloud.of_space(space)
-    matrices: list[Any] = []
     vertices, notes = [len(cloud.points)], []
     pending = element_interpolation(space, cloud)
-    if space.element == "argyris":
-        matrices.append(_compact(pending, None, cloud))
-        pending = None
+    matrices: list[Any] = [pending] if space.element == "argyris" else []
     keep_corners = True
     while 3 * int(cloud.active.sum()) > COARSEST:
         coarsening = coarsen(cloud, keep_corners)
@@ -75,38 +79,11 @@ def prolongations(space: PlateSpace) -> tuple[list[Any], list[int], list[str], C
             )
             break
         step = interpolation(cloud, coarsening)
-        if pending is None:
-            matrices.append(_compact(step, cloud, coarsening.cloud))
-        else:  # Morley goes from the element to the first coarse level at once
-            matrices.append(_compact(pending @ step, None, coarsening.cloud))
-            pending = None
+        # Morley goes from the element to the first coarse level at once
+        matrices.append(pending @ step if not matrices else split_rows(step))
         cloud = coarsening.cloud
         vertices.append(len(cloud.points))
-    if pending is not None:
-        matrices.append(_compact(pending, None, cloud))
-    return matrices, vertices, notes, cloud
-
-
-def _compact(blocks: Any, fine: Cloud | None, coarse: Cloud) -> Any:
-    """CSR without zeros and without the rows and columns that the supports forbid."""
-    matrix = blocks.tocsr()
-    matrix.eliminate_zeros()
-    kept = coarse.mask[coarse.active].ravel()
-    if not kept.all():
-        matrix = matrix[:, kept]
-    if fine is not None:
-        kept = fine.mask[fine.active].ravel()
-        if not kept.all():
-            matrix = matrix[kept]
-    matrix.sort_indices()
-    return matrix
-
-
-def galerkin(matrix: Any, prolongation: Any) -> Any:
-    """P^T A P as CSR with sorted indices."""
-    product = (prolongation.T.tocsr() @ (matrix @ prolongation)).tocsr()
-    product.sort_indices()
-    return product
+    return matrices or [pending], vertices, notes, cloud
 
 
 def build(matrix: Any, space: PlateSpace) -> Hierarchy:
@@ -119,19 +96,17 @@ def build(matrix: Any, space: PlateSpace) -> Hierarchy:
     """
     from pyamg.multilevel import MultilevelSolver
 
-    matrices, vertices, notes, cloud = prolongations(space)
+    blocks, vertices, notes, cloud = prolongations(space)
     levels = []
     a = matrix
-    for p in matrices:
+    while blocks:
         level = MultilevelSolver.Level()
-        level.A, level.P, level.R = a, p, p.T
+        level.A = a
+        a = galerkin(a, blocks[0])
+        level.P = blocks.pop(0).tocsr()  # faster to multiply with, and without the zeros of the blocks
+        level.P.eliminate_zeros()
+        level.R = level.P.T
         levels.append(level)
-        a = galerkin(a, p)
-        lost = np.flatnonzero(a.diagonal() <= 0.0)
-        if len(lost):  # a coarse function that no unknown feels
-            a = a.tolil()
-            a[lost, lost] = 1.0
-            a = a.tocsr()
     last = MultilevelSolver.Level()
     last.A = a
     levels.append(last)
@@ -183,7 +158,6 @@ def _aggregate(levels: list[Any], cloud: Cloud) -> Any:
     rigid[:, 0, 1:] = centred
     rigid[:, 1, 1] = rigid[:, 2, 2] = 1.0
     rigid = cloud.columns.transpose(0, 2, 1) @ rigid
-    kept = cloud.mask[cloud.active].ravel()
-    near_null = rigid[cloud.active].reshape(-1, 3)[kept]
+    near_null = rigid[cloud.active].reshape(-1, 3)
     below = smoothed_aggregation_solver(levels[-1].A, B=near_null, coarse_solver="splu")
     return MultilevelSolver(levels[:-1] + below.levels, coarse_solver="splu")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from kshell.solve.multigrid.cloud import Cloud
-from kshell.solve.multigrid.interpolate import block_matrix
+from kshell.solve.multigrid.interpolate import block_matrix, split_rows
 from kshell.solve.system import Floats, PlateSpace
 
 SWEEPS = 4  # of Jacobi's method for T^T W T, which is diagonal but for a few boundary vertices
@@ -40,7 +40,7 @@ def element_interpolation(space: PlateSpace, cloud: Cloud) -> Any:
     if space.element == "morley":
         full, scale = _morley(space, sp), np.concatenate([np.ones(len(size)), space.lengths])
     else:
-        full = _argyris(space, size, sp)
+        full = _argyris(space, sp)
         per_vertex = np.stack([np.ones_like(size), size, size, size**2, size**2, size**2], axis=1)
         scale = np.concatenate([per_vertex.ravel(), space.lengths])
 
@@ -86,57 +86,50 @@ def _scale_rows(matrix: Any, factor: Floats) -> None:
     matrix.data *= np.repeat(factor, np.diff(matrix.indptr))[:, None, None]
 
 
-def _mean_normal_derivative(space: PlateSpace, first_row: int) -> tuple[Any, Any, Any]:
-    """Rows, columns and 1 x 3 blocks of n.(g_a + g_b)/2 for every edge."""
-    edges = np.arange(len(space.edges))
-    blocks = np.zeros((2 * len(edges), 1, 3))
-    blocks[:, 0, 1:] = 0.5 * np.repeat(space.edge_normals, 2, axis=0)
-    return np.repeat(first_row + edges, 2), space.edges.ravel(), blocks
+def _edge_rows(space: PlateSpace, at_lower: Floats, at_higher: Floats, sp: Any) -> Any:
+    """(edge, 3 vertices) BSR: a row (1, 3) for the lower vertex of each edge and one for the higher."""
+    blocks = np.stack([at_lower, at_higher], axis=1).reshape(-1, 1, 3)
+    pointer = np.arange(0, 2 * len(space.edges) + 1, 2, dtype=np.int32)
+    columns = space.edges.ravel().astype(np.int32)
+    return sp.bsr_matrix((blocks, columns, pointer), shape=(len(space.edges), 3 * len(space.points)))
+
+
+def _mean_normal_derivative(space: PlateSpace, sp: Any) -> Any:
+    """(edge, 3 vertices): n.(g_a + g_b)/2."""
+    half = np.zeros((len(space.edges), 3))
+    half[:, 1:] = 0.5 * space.edge_normals
+    return _edge_rows(space, half, half, sp)
 
 
 def _morley(space: PlateSpace, sp: Any) -> Any:
-    vertices = np.arange(len(space.points))
-    rows, columns, blocks = _mean_normal_derivative(space, len(vertices))
-    value = np.zeros((len(vertices), 1, 3))
-    value[:, 0, 0] = 1.0
-    return block_matrix(
-        np.concatenate([vertices, rows]),
-        np.concatenate([vertices, columns]),
-        np.concatenate([value, blocks]),
-        len(vertices) + len(space.edges),
-        len(vertices),
-        sp,
-    )
-
-
-def _argyris(space: PlateSpace, size: Floats, sp: Any) -> Any:
     n = len(space.points)
-    hessian = fitted_hessian(space, size, sp)
+    value = np.zeros((n, 1, 3))
+    value[:, 0, 0] = 1.0
+    values = sp.bsr_matrix(
+        (value, np.arange(n, dtype=np.int32), np.arange(n + 1, dtype=np.int32)), shape=(n, 3 * n)
+    )
+    return _stack(values, _mean_normal_derivative(space, sp), sp)
+
+
+def _argyris(space: PlateSpace, sp: Any) -> Any:
+    n = len(space.points)
+    hessian = fitted_hessian(space, sp)
     # vertex rows: the values themselves, then the second derivatives, in turn
     identity = sp.bsr_matrix(
         (np.tile(np.eye(3), (n, 1, 1)), np.arange(n), np.arange(n + 1)), shape=(3 * n, 3 * n)
     )
-    values, second = _split_rows(identity, sp), _split_rows(hessian, sp)
-    both = _stack(values, second, sp)
+    both = _stack(split_rows(identity), split_rows(hessian), sp)
     order = np.arange(6 * n).reshape(2, n, 3).transpose(1, 0, 2).ravel()
 
     # the derivative along an edge is cubic: at its middle (g_a + g_b)/2 + L/8 d_t (g_a - g_b)
-    rows, columns, blocks = _mean_normal_derivative(space, 0)
-    mean = block_matrix(rows, columns, blocks, len(space.edges), n, sp)
-    normal = space.edge_normals
-    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-    twist = np.zeros((len(normal), 2, 1, 3))
-    twist[:, 0, 0, 0] = normal[:, 0] * tangent[:, 0]
-    twist[:, 0, 0, 1] = normal[:, 0] * tangent[:, 1] + normal[:, 1] * tangent[:, 0]
-    twist[:, 0, 0, 2] = normal[:, 1] * tangent[:, 1]
-    twist[:, 0] *= space.lengths[:, None, None] / 8.0
-    twist[:, 1] = -twist[:, 0]
-    twist_matrix = block_matrix(rows, columns, twist.reshape(-1, 1, 3), len(space.edges), n, sp)
-    edge_rows = mean + twist_matrix @ hessian
-    return _stack(_take_rows(both, order, sp), edge_rows, sp)
+    (nx, ny), length = space.edge_normals.T, space.lengths
+    tx, ty = -ny, nx
+    twist = (length / 8.0)[:, None] * np.stack([nx * tx, nx * ty + ny * tx, ny * ty], axis=1)
+    edges = _mean_normal_derivative(space, sp) + _edge_rows(space, twist, -twist, sp) @ hessian
+    return _stack(_take_rows(both, order, sp), edges, sp)
 
 
-def fitted_hessian(space: PlateSpace, size: Floats, sp: Any) -> Any:
+def fitted_hessian(space: PlateSpace, sp: Any) -> Any:
     """H: at each vertex the second derivatives that fit the differences of gradients along its edges best.
 
     For the edge d from vertex v to u:   (d_x w_xx + d_y w_xy, d_x w_xy + d_y w_yy) = g_u - g_v,
@@ -157,16 +150,6 @@ def fitted_hessian(space: PlateSpace, size: Floats, sp: Any) -> Any:
     np.subtract.at(blocks[len(d) :, :, 1:], start, share)
     vertices = np.arange(n)
     return block_matrix(np.concatenate([start, vertices]), np.concatenate([end, vertices]), blocks, n, n, sp)
-
-
-def _split_rows(matrix: Any, sp: Any) -> Any:
-    """BSR of 3 x 3 blocks as BSR of 1 x 3 blocks."""
-    count = np.diff(matrix.indptr)
-    pointer = np.concatenate([[0], np.cumsum(np.repeat(count, 3))])
-    row = np.repeat(np.arange(3 * len(count)), np.repeat(count, 3))
-    place = np.arange(pointer[-1]) - pointer[row] + matrix.indptr[row // 3]
-    data = matrix.data[place, row % 3][:, None, :]
-    return sp.bsr_matrix((data, matrix.indices[place], pointer), shape=matrix.shape)
 
 
 def _stack(above: Any, below: Any, sp: Any) -> Any:

@@ -1,0 +1,77 @@
+"""Pictures of curves and surfaces: they are drawn, labelled and refuse nonsense."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import kshell.geometry as g
+from kshell.errors import InputError
+from kshell.geometry import plot
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def close_figures():
+    import matplotlib.pyplot as plt
+
+    yield
+    plt.close("all")
+
+
+def test_curvature_is_drawn_with_zero_in_the_middle_of_the_colours() -> None:
+    figure = plot.curvature(g.Torus(), "gaussian_curvature", n=12)
+    axes, bar = figure.axes
+    assert axes.get_title() == "Gaussian curvature K of the torus"
+    assert bar.get_ylabel() == "Gaussian curvature K"
+    low, high = bar.get_ylim()
+    assert low == pytest.approx(-high)
+    with pytest.raises(InputError, match="there are gaussian_curvature"):
+        plot.curvature(g.Torus(), "colour")
+
+
+def test_classification_names_the_kinds_that_are_there() -> None:
+    for chart, kinds in (
+        (g.Torus(), ["elliptic", "hyperbolic"]),
+        (g.Cylinder(), ["parabolic"]),
+        (g.Plane(), ["planar"]),
+    ):
+        (axes,) = plot.classification(chart, n=12).axes
+        assert [text.get_text() for text in axes.get_legend().get_texts()] == kinds
+
+
+def test_gauss_map_lies_on_the_unit_sphere() -> None:
+    _, right, *_ = plot.gauss_map(g.Ellipsoid(3, 2, 1), n=8).axes
+    for limits in (right.get_xlim(), right.get_ylim(), right.get_zlim()):
+        assert limits[1] == pytest.approx(1.0, abs=0.12)
+        assert limits[0] == pytest.approx(-1.0, abs=0.12)
+
+
+def test_principal_directions_leave_out_umbilics() -> None:
+    lines = {
+        c.get_label(): len(c._segments3d)
+        for c in plot.principal_directions(g.Ellipsoid(3, 2, 1), n=6).axes[0].collections[1:]
+    }
+    assert lines == {"direction of k1": 36, "direction of k2": 36}
+    (axes,) = plot.principal_directions(g.Sphere(), n=6).axes
+    assert axes.get_title() == "sphere: every point is an umbilic, every direction principal"
+    assert len(axes.collections) == 1
+
+
+def test_frames() -> None:
+    helix = g.Curve.from_expressions("cos(t)", "sin(t)", "t/4")
+    (axes,) = plot.frames(helix, np.linspace(0, 6, 7)).axes
+    assert [t.get_text() for t in axes.get_legend().get_texts()] == ["tangent T", "normal N", "binormal B"]
+    cubic = g.Curve.from_expressions("t", "t**3")
+    with pytest.raises(InputError, match="inflection"):
+        plot.frames(cubic, np.linspace(-1, 1, 5))
+    (axes,) = plot.frames(cubic, np.linspace(-1, 1, 5), rotation_minimising=True).axes
+    assert axes.get_title() == "Rotation-minimising frames"
+
+
+def test_values_on_a_mesh_with_a_boundary() -> None:
+    mesh = g.Hypar().mesh(6, 6, order=1)
+    figure = plot.on_mesh(mesh, g.discrete.gaussian_curvature(mesh), "K", "angle defect")
+    assert figure.axes[1].get_ylabel() == "K"
+    with pytest.raises(InputError, match="neither one per vertex"):
+        plot.on_mesh(mesh, np.zeros(3), "K")
