@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,7 +31,7 @@ KIND_COLOURS = {
     "parabolic": "#dd9b3c",
     "planar": "#8c8c8c",
 }
-LEGEND = "outside upper left"
+LEGEND: Final = "outside upper left"
 INSET = 1e-3  # of the range: how far pictures stay from poles, where a chart is singular
 
 
