@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.shell.chart_surface import ChartSurface
-from kshell.shell.supports import AXES, PLANAR, Reduction
+from kshell.shell.supports import AXES, PLANAR, Reduction, snapped
 
 Floats = NDArray[np.float64]
 
@@ -200,9 +200,9 @@ class ChartSupports:
         if normal is not None:
             axis = np.asarray(normal, dtype=float) / np.linalg.norm(normal)
         elif len(size) > 2 and size[1] > PLANAR * size[0]:
-            axis = directions[2]
+            axis = snapped(directions[2])
         elif straight is not None:
-            axis = straight
+            axis = snapped(straight)
         else:
             raise InputError(f"{what}: the edges form a straight line: give the normal of the plane")
         height = np.abs((x - x.mean(axis=0)) @ axis)

@@ -28,6 +28,9 @@ ROUNDING = 1e-14
 PLANAR = 1e-3
 # degrees by which a surface may miss the right angle to its plane of symmetry; coarse facets miss it by some
 LARGEST_SLANT = 30.0
+# a plane whose normal, found from interpolated shape, is so close to a coordinate axis is meant to be at right
+# angles to it
+ON_AXIS = 2e-3
 
 
 class Reduction(NamedTuple):
@@ -137,6 +140,8 @@ class Supports:
         )
         if axis is None:  # a straight line: the surface tells the plane
             axis = np.linalg.svd(conormals.reshape(-1, 3), full_matrices=False)[2][0]
+        if normal is None:
+            axis = snapped(axis)
         self._require_plane(edges, axis, "a symmetry plane")
         slope = np.min(np.abs(conormals @ axis))
         if slope < np.cos(np.radians(LARGEST_SLANT)):
@@ -255,6 +260,13 @@ class Supports:
                 f"{miss[worst]:.3g}; remove one of the conditions there"
             )
         return unique, v, independent.sum(axis=1), motion
+
+
+def snapped(axis: Floats) -> Floats:
+    """The coordinate axis next to a unit vector, or the vector itself where none is close."""
+    nearest = int(np.argmax(np.abs(axis)))
+    unit = np.sign(axis[nearest]) * np.eye(3)[nearest]
+    return unit if np.linalg.norm(axis - unit) < ON_AXIS else axis
 
 
 def edge_conormals(surface: Surface, edges: ArrayLike) -> Floats:
