@@ -2,7 +2,7 @@
 // gmsh -2 -order 2 scordelis_lo.geo -o scordelis_lo.msh
 SetFactory("Built-in");
 R = 25; L = 50; angle = 40 * Pi / 180;
-n = 8; m = 4;                         // cells around and along
+n = 14; m = 3;                        // cells around and along
 Point(1) = {0, 0, R};
 Point(2) = {R * Sin(angle), 0, R * Cos(angle)};
 Point(9) = {0, 0, 0};

@@ -19,7 +19,8 @@ from kshell.mesh.select import Selection
 from kshell.shell import loads
 from kshell.shell.koiter import Koiter
 from kshell.shell.loads import edge_table, surface_points
-from kshell.shell.recovery import Resultants, displacement, energies, resultants, rotation_axes
+from kshell.shell.reactions import rotation_axes
+from kshell.shell.recovery import Resultants, displacement, energies, resultants
 from kshell.shell.section import Section
 from kshell.shell.supports import Reduction, Supports
 from kshell.shell.surface import Surface
