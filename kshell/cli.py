@@ -114,7 +114,9 @@ def solve(
     ] = None,
     pressure: Annotated[
         str | None,
-        typer.Option(help="Force per area along the normal (+z on a plate): number or expression in x, y, z."),
+        typer.Option(
+            help="Force per area along the normal (+z on a plate): number or expression in x, y, z."
+        ),
     ] = None,
     mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
     mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,

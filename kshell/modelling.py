@@ -69,13 +69,19 @@ def choose_model(scene: Scene, mesh: Mesh, options: SolveOptions) -> ModelChoice
     if scene.chart is not None and options.order == "auto" and options.element in ("auto", "argyris"):
         return _on_chart(scene, mesh, options, why)
     order, reason = _order(scene, mesh, options)
-    asked = "as asked for" if options.element == "koiter" else "for surfaces with folds, branches and any curvature"
+    asked = (
+        "as asked for"
+        if options.element == "koiter"
+        else "for surfaces with folds, branches and any curvature"
+    )
     return ModelChoice("shell", "koiter", order, (why, f"element koiter: {asked}", reason))
 
 
 def _require_sense(scene: Scene, options: SolveOptions) -> None:
     if options.element == "morley" and options.model == "shell":
-        raise InputError('element = "morley" is for plates: a shell takes "koiter", on a chart also "argyris"')
+        raise InputError(
+            'element = "morley" is for plates: a shell takes "koiter", on a chart also "argyris"'
+        )
     if options.element == "koiter" and options.model == "plate":
         raise InputError('element = "koiter" belongs to model = "shell": leave the model out')
     if options.order != "auto" and options.element in ("morley", "argyris"):
@@ -84,14 +90,16 @@ def _require_sense(scene: Scene, options: SolveOptions) -> None:
             "order out"
         )
     if options.order != "auto" and options.model == "plate":
-        raise InputError('order is for element = "koiter", which belongs to model = "shell": leave one of them out')
+        raise InputError(
+            'order is for element = "koiter", which belongs to model = "shell": leave one of them out'
+        )
     if scene.chart is not None and (options.model == "plate" or options.element == "morley"):
         raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
 
 
 def _kind(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[Literal["plate", "shell"], str]:
     if options.model != "auto":
-        return options.model, f"kind {options.model}: as asked for"  # type: ignore[return-value]
+        return options.model, f"kind {options.model}: as asked for"
     if scene.chart is not None:
         return "shell", f"kind shell: the mesh lies in the parameter plane of {scene.chart!r}"
     flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
@@ -152,10 +160,15 @@ def _on_chart(scene: Scene, mesh: Mesh, options: SolveOptions, why: str) -> Mode
         return ModelChoice("shell", "argyris", 5, (why, "element argyris: as asked for"))
     thickness, size = _largest_thickness(scene, mesh), _size_on_chart(scene, mesh)
     if thickness >= THINNEST_ARGYRIS * size and not _beyond_argyris(scene):
-        reason = "element argyris: the chart is smooth and not very thin, so quintics need the fewest unknowns"
+        reason = (
+            "element argyris: the chart is smooth and not very thin, so quintics need the fewest unknowns"
+        )
         return ModelChoice("shell", "argyris", 5, (why, reason))
     order, reason = _order(scene, mesh, options)
-    what = _beyond_argyris(scene) or f"thickness {thickness:.3g} is small against the size {size:.3g}: no locking"
+    what = (
+        _beyond_argyris(scene)
+        or f"thickness {thickness:.3g} is small against the size {size:.3g}: no locking"
+    )
     return ModelChoice("shell", "koiter", order, (why, f"element koiter: {what}", reason))
 
 
@@ -192,4 +205,7 @@ def _order(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[int, str]:
         return 3, f"order 3: {n} triangles of true shape are few enough for cubics, the most accurate choice"
     if true_shape:
         return 2, f"order 2: {n} triangles are more than {CUBICS_UP_TO}, where cubics would take long"
-    return 2, "order 2: the mesh has flat triangles (order 1), whose shape limits the accuracy of higher orders"
+    return (
+        2,
+        "order 2: the mesh has flat triangles (order 1), whose shape limits the accuracy of higher orders",
+    )

@@ -198,6 +198,9 @@ class Result:
     def plot(self, what: str = "deflection") -> Figure:
         """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
 
+        Of shells also "force_xx", "force_yy", "force_xy", "von_mises_middle" and "von_mises_bottom", drawn on the
+        deformed surface.
+
         Returns
         -------
         matplotlib Figure, to be saved with `savefig`.
@@ -210,6 +213,31 @@ class Result:
         from kshell.plot import plot
 
         return plot(self, what)
+
+    def show(self, what: str = "deflection", scale: float | None = None, file: str | None = None) -> Any:
+        """The deformed surface in 3D with PyVista, to be turned with the mouse.
+
+        Parameters
+        ----------
+        what : str
+            As for `plot`, except "mesh".
+        scale : float, optional
+            By which displacements are enlarged; absent: so that the largest is a tenth of the size.
+        file : path, optional
+            Save a picture there instead of opening a window.
+
+        Returns
+        -------
+        pyvista.Plotter
+
+        Raises
+        ------
+        InputError
+            If PyVista is not installed: it is the extra "view" of kshell.
+        """
+        from kshell.view import show
+
+        return show(self, what, scale, file)
 
 
 def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> dict[str, dict[str, Any]]:

@@ -32,6 +32,7 @@ SUPPORT_COLOURS = {
     "simply_supported": "#1b8a3a",
     "symmetry": "#8e44ad",
     "free": "#7f7f7f",
+    "hinge": "#e67e22",
     "fixed": "#00838f",
     "elastic": "#b8860b",
 }
@@ -120,7 +121,7 @@ def _draw_supported_edges(
 
 
 def _draw_load(axes: Axes, mesh: Mesh, load: Load) -> None:
-    label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {_amount(load)}"
+    label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
     if load.on is None:
         chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     else:
@@ -262,7 +263,8 @@ def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
         )
 
 
-def _amount(load: Load) -> str:
+def amount(load: Load) -> str:
+    """The value of a load in words."""
     if load.kind == "temperature":
         return f"gradient {show(getattr(load, 'gradient', 0.0))}"
     return show(load.value)

@@ -82,7 +82,12 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
             + [_vector(p["M"]), _vector(p["stress_top"])]
             for name, p in result.probes.items()
         ]
-        heads = ["probe", "at", "displacement" if shell else "deflection w", *(["N xx, yy, xy"] if shell else [])]
+        heads = [
+            "probe",
+            "at",
+            "displacement" if shell else "deflection w",
+            *(["N xx, yy, xy"] if shell else []),
+        ]
         heads += ["M xx, yy, xy", "stress top xx, yy, xy"]
         console.print(_table(heads, rows, f"Probes (frame: {result.frame})"))
     if result.extremes:
@@ -95,9 +100,8 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         reactions = [
             [name, _vector(r["force"]), _vector(r["moment"])] for name, r in result.reactions.items()
         ]
-        console.print(
-            _table(["support", "force", "moment about the origin"], reactions, f"Reactions on the {result.model['kind']}")
-        )
+        heads = ["support", "force", "moment about the origin"]
+        console.print(_table(heads, reactions, f"Reactions on the {result.model['kind']}"))
     console.print(
         f"equilibrium: loads and reactions differ by {result.balance:.1e} of their size; "
         f"strain energy {_number(result.strain_energy)}"

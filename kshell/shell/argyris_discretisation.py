@@ -71,7 +71,9 @@ class ArgyrisDiscretisation:
     def interior_points(self, triangles: Ints) -> tuple[Floats, Floats]:
         """Quadrature points (n, q, 3) of triangles in space and weights (n, q) with the area element."""
         surface = self.surface
-        return np.moveaxis(surface.positions[:, triangles], 0, 2), surface.area_elements[triangles] * surface.weights
+        return np.moveaxis(surface.positions[:, triangles], 0, 2), surface.area_elements[
+            triangles
+        ] * surface.weights
 
     def patches(self) -> tuple[Ints, Floats]:
         """(triangle,) one smooth piece, and (triangle, 3) equal weights of the corners."""

@@ -49,8 +49,8 @@ class ChartRecovery:
         _, first, _ = self.surface.geometry(points, triangles)
         u = self._jets(points, triangles)
         n, reciprocal = _geometry(first)
-        change = -sum(dot(n, u[1 + c]) * reciprocal[c] for c in range(2))
-        drill = 0.5 * dot(n, sum(cross(reciprocal[c], u[1 + c]) for c in range(2)))
+        change = -(dot(n, u[1]) * reciprocal[0] + dot(n, u[2]) * reciprocal[1])
+        drill = 0.5 * dot(n, cross(reciprocal[0], u[1]) + cross(reciprocal[1], u[2]))
         return np.moveaxis(u[0], 0, 2), np.moveaxis(cross(n, change) + n * drill, 0, 2)
 
     def energies(self) -> tuple[Floats, Floats]:

@@ -93,7 +93,9 @@ class KoiterDiscretisation:
 
     def largest_curvature(self) -> Floats:
         """(triangle,) largest principal curvature in size."""
-        return largest_curvature(self.surface) if self.order > 1 else np.zeros(len(self.surface.mesh.triangles))
+        return (
+            largest_curvature(self.surface) if self.order > 1 else np.zeros(len(self.surface.mesh.triangles))
+        )
 
     def rigid_motions(self, centre: Floats, size: float) -> Floats:
         """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre."""

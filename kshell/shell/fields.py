@@ -197,5 +197,7 @@ def _frame(normal: Floats) -> Floats:
     first = np.cross(np.stack([helper, 1.0 - helper, np.zeros_like(helper)], axis=-1), np.moveaxis(n, 0, -1))
     second = np.cross(np.moveaxis(n, 0, -1), first)
     return np.moveaxis(
-        np.stack(tangent_frame(np.stack([np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)]))), (0, 1), (-2, -1)
+        np.stack(tangent_frame(np.stack([np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)]))),
+        (0, 1),
+        (-2, -1),
     )

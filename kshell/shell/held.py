@@ -27,7 +27,9 @@ LOOSE = 1e-10
 ROUND = 1e-6
 
 
-def require_held(mesh: Mesh, discretisation: Any, reduction: Reduction, springs: sp.csr_matrix | None) -> None:
+def require_held(
+    mesh: Mesh, discretisation: Any, reduction: Reduction, springs: sp.csr_matrix | None
+) -> None:
     """Raise InputError if a part can move as a rigid body, naming the motion and the part.
 
     Parameters
@@ -57,7 +59,9 @@ def require_held(mesh: Mesh, discretisation: Any, reduction: Reduction, springs:
             where = ""
             if count > 1:
                 inside = int((part[mesh.triangles[:, 0]] == number).sum())
-                where = f" (the part of {inside} triangles around {place(x.mean(axis=0))}, one of {count} parts)"
+                where = (
+                    f" (the part of {inside} triangles around {place(x.mean(axis=0))}, one of {count} parts)"
+                )
             raise InputError(_words(free, centre, size, where))
 
 

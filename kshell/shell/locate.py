@@ -80,7 +80,9 @@ class Locator:
         feet = [inside]
         for a, b in EDGES:
             along = (VERTICES[b] - VERTICES[a])[None]
-            feet.append(self._descend(nodes, points, np.tile(VERTICES[[a, b]].mean(axis=0), (len(points), 1)), along))
+            feet.append(
+                self._descend(nodes, points, np.tile(VERTICES[[a, b]].mean(axis=0), (len(points), 1)), along)
+            )
         xi = np.stack(feet, axis=1)
         return xi, np.einsum("nfk,nkx->nfx", lagrange(self.order, xi), nodes)
 

@@ -38,7 +38,9 @@ class SceneLoads:
     warnings: list[str] = field(default_factory=list)
 
 
-def apply_loads(loads: list[Any], mesh: Mesh, discretisation: Any, energy: Any, section: Section) -> SceneLoads:
+def apply_loads(
+    loads: list[Any], mesh: Mesh, discretisation: Any, energy: Any, section: Section
+) -> SceneLoads:
     """Translate the loads of a scene.
 
     Parameters
@@ -129,7 +131,9 @@ class _Builder:
     def _point(self, load: Any) -> None:
         apply = getattr(self.kernel, load.kind, None)
         if apply is None:
-            raise InputError(f"{load}: {self.discretisation.name} elements on a chart do not have it: {USE_KOITER}")
+            raise InputError(
+                f"{load}: {self.discretisation.name} elements on a chart do not have it: {USE_KOITER}"
+            )
         for vertex in self._select(load, 0).members:
             value = load.at(self.mesh.points[[vertex]])[0]
             self.out.forces.append(apply(self.surface, int(vertex), value))
@@ -153,7 +157,9 @@ class _Builder:
 
     def _require_koiter(self, load: Any) -> None:
         if self.discretisation.name != "koiter":
-            raise InputError(f"{load}: {self.discretisation.name} elements on a chart do not have it: {USE_KOITER}")
+            raise InputError(
+                f"{load}: {self.discretisation.name} elements on a chart do not have it: {USE_KOITER}"
+            )
 
 
 USE_KOITER = 'take element = "koiter", which works on charts too'

@@ -38,7 +38,9 @@ def find_reactions(
     centre, size = discretisation.extent()
     scaled = discretisation.rigid_motions(centre, size)
     parts = _shared(supports, solution.forces)
-    parts += [(group.label, -(group.spring @ solution.x)) for group in supports.groups if group.spring is not None]
+    parts += [
+        (group.label, -(group.spring @ solution.x)) for group in supports.groups if group.spring is not None
+    ]
     groups: dict[str, dict[str, Floats]] = {}
     for label, forces in parts:
         total = about_origin.T @ forces
@@ -48,7 +50,9 @@ def find_reactions(
     totals = [scaled.T @ forces for forces in [*loads, *(forces for _, forces in parts)]]
     if not totals:
         return groups, 0.0
-    gross = max(float(np.abs(load * np.abs(scaled[:, :3]).max(axis=1)).sum()) for load in loads) if loads else 0.0
+    gross = (
+        max(float(np.abs(load * np.abs(scaled[:, :3]).max(axis=1)).sum()) for load in loads) if loads else 0.0
+    )
     largest = max(float(np.abs(totals).max()), gross, 1e-300)
     return groups, float(np.abs(np.sum(totals, axis=0)).max() / largest)
 

@@ -71,7 +71,7 @@ def hinge_edges(supports: list[Any], mesh: Mesh) -> Ints:
     InputError
         If a hinge is not on curves, or at the boundary, where there is nothing to release.
     """
-    edges = [np.zeros(0, dtype=np.int64)]
+    edges: list[Ints] = [np.zeros(0, dtype=np.int64)]
     for support in supports:
         if support.kind == "hinge":
             chosen = select(mesh, support.on, dimensions=(1,), what=str(support))

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
 from kshell.section import Section
-from kshell.shell.topology import fold_angles, largest_curvature
+from kshell.shell.topology import fold_angles
 
 Floats = NDArray[np.float64]
 
