@@ -15,6 +15,7 @@ import numpy as np
 from kshell.errors import InputError
 from kshell.laminate import NEGLIGIBLE_COUPLING, laminate
 from kshell.mesh.check import is_flat
+from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import select
 from kshell.options import SolveOptions
@@ -199,7 +200,7 @@ def _size_on_chart(scene: Scene, mesh: Mesh) -> float:
 def _order(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[int, str]:
     if options.order != "auto":
         return options.order, f"order {options.order}: as asked for"
-    true_shape = mesh.order == 2 or scene.chart is not None or is_flat(mesh.points)
+    true_shape = scene.chart is not None or facets(mesh) is None
     n = len(mesh.triangles)
     if true_shape and n <= CUBICS_UP_TO:
         return 3, f"order 3: {n} triangles of true shape are few enough for cubics, the most accurate choice"

@@ -85,21 +85,27 @@ def _words(free: Floats, centre: Floats, size: float, where: str) -> str:
 
 
 def _sorted_out(free: Floats) -> Floats:
-    """The same motions, pure translations first, along axes where possible."""
+    """The same motions, pure translations first, translations and turns along axes where possible."""
     _, size, rows = np.linalg.svd(free[3:], full_matrices=True)  # rotations of the combinations
     rank = int((size > ROUND).sum())
     turns, shifts = free @ rows[:rank].T, free @ rows[rank:].T
     out = []
     if shifts.shape[1]:
-        projector = shifts[:3] @ np.linalg.pinv(shifts[:3])
-        order = np.argsort(-np.diag(projector), kind="stable")[: shifts.shape[1]]
-        chosen = projector[:, np.sort(order)]
-        if np.linalg.matrix_rank(chosen, tol=1e-3) < shifts.shape[1]:
-            chosen = shifts[:3]
-        out.append(np.concatenate([chosen / np.linalg.norm(chosen, axis=0), np.zeros_like(chosen)]))
+        out.append(_along_axes(shifts, shifts[:3]))
+        turns = turns.copy()
+        turns[:3] -= shifts[:3] @ (np.linalg.pinv(shifts[:3]) @ turns[:3])
     if rank:
-        out.append(turns)
+        out.append(_along_axes(turns, turns[3:]))
     return np.concatenate(out, axis=1)
+
+
+def _along_axes(motions: Floats, directions: Floats) -> Floats:
+    """Combinations of motions (6, n) whose directions (3, n) are as close to coordinate axes as they can be."""
+    inverse = np.linalg.pinv(directions)
+    closeness = np.diag(directions @ inverse)
+    axes = np.sort(np.argsort(-closeness, kind="stable")[: motions.shape[1]])
+    combined = motions @ inverse[:, axes]
+    return combined if np.linalg.matrix_rank(combined, tol=1e-3) == motions.shape[1] else motions
 
 
 def _motion(motion: Floats, centre: Floats, size: float) -> str:

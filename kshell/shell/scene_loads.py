@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh.mesh import Mesh
+from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.mesh.orient import WALKED_FORWARD
 from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
 from kshell.section import Section
@@ -98,7 +99,26 @@ class _Builder:
                 f"{load}: follower = true turns the pressure with the surface, which matters only under large "
                 "deflections; leave it out for small ones"
             )
-        self.out.forces.append(self.kernel.pressure(self.surface, load.at, self._triangles(load)))
+        triangles = self._triangles(load)
+        self._warn_of_opposed_normals(load, triangles)
+        self.out.forces.append(self.kernel.pressure(self.surface, load.at, triangles))
+
+    def _warn_of_opposed_normals(self, load: Any, triangles: Ints) -> None:
+        """Sheets that meet at a branch are oriented one by one: their normals may point to opposite sides."""
+        mesh = self.mesh
+        flat = mesh.triangle_edges[triangles]
+        # +1 where the triangle walks its edge from the lower to the higher vertex
+        walked = mesh.triangles[triangles][:, EDGE_VERTICES]
+        sign = np.where((walked[..., 1] > walked[..., 0]) == WALKED_FORWARD, 1, -1)
+        count = np.bincount(flat.ravel(), minlength=len(mesh.edges))
+        total = np.bincount(flat.ravel(), sign.ravel(), minlength=len(mesh.edges))
+        opposed = np.flatnonzero((count == 2) & (np.abs(total) == 2))
+        if len(opposed):
+            where = place(mesh.points[mesh.edges[opposed[0]]].mean(axis=0))
+            self.out.warnings.append(
+                f"{load}: the normals of two sheets that meet at {where} point to opposite sides, so the pressure "
+                "changes its direction there; use traction, a vector in space, or one pressure for each sheet"
+            )
 
     def _traction(self, load: Any) -> None:
         self.out.forces.append(self.kernel.traction(self.surface, load.at, self._triangles(load)))

@@ -8,18 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
 from kshell.section import Section
-from kshell.shell.topology import fold_angles
 
 Floats = NDArray[np.float64]
 
 # thin-shell theory neglects t / R against 1; beyond this part of the radius it says little
 THICK = 0.5
-# flat triangles that meet at angles between these stand for a curved surface
-FACETS = (np.radians(0.5), np.radians(30.0))
-FEW_FACETS = 0.1  # part of the inner edges below which such angles are folds meant as such
 # the search for triangles that cross each other looks at pairs, up to so many triangles
 SEARCHED = 30_000
 BESIDE = 1e-9  # barycentric coordinate below which a crossing is on the border
@@ -35,7 +32,7 @@ def shape_warnings(mesh: Mesh, discretisation: Any, section: Section) -> list[st
     discretisation : KoiterDiscretisation or ArgyrisDiscretisation
     section : Section
     """
-    return [*_thick(mesh, discretisation, section), *_faceted(mesh, discretisation), *_crossing(mesh)]
+    return [*_thick(mesh, discretisation, section), *_faceted(mesh), *_crossing(mesh)]
 
 
 def _thick(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
@@ -52,20 +49,14 @@ def _thick(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
     ]
 
 
-def _faceted(mesh: Mesh, discretisation: Any) -> list[str]:
-    if discretisation.name != "koiter" or discretisation.true_shape:
+def _faceted(mesh: Mesh) -> list[str]:
+    found = facets(mesh)
+    if found is None:
         return []
-    angle = fold_angles(discretisation.surface)
-    inner = np.isfinite(angle)
-    facets = inner & (angle > FACETS[0]) & (angle < FACETS[1])
-    if facets.sum() <= FEW_FACETS * inner.sum():
-        return []
-    worst = int(np.argmax(np.where(facets, angle, 0.0)))
     return [
-        f"the mesh has flat triangles (order 1) on a curved surface: neighbours meet at up to "
-        f"{np.degrees(angle[worst]):.2g} degrees, e.g. at {place(mesh.points[mesh.edges[worst]].mean(axis=0))}, and "
-        "these facets limit the accuracy; mesh with order 2 (mesh_order = 2, in the .geo file Mesh.ElementOrder = 2) "
-        "or give the chart"
+        "the mesh has flat triangles (order 1) on a curved surface: neighbours meet at up to "
+        f"{np.degrees(found.angle):.2g} degrees, e.g. at {place(found.at)}, and these facets limit the accuracy; mesh "
+        "with order 2 (mesh_order = 2, in the .geo file Mesh.ElementOrder = 2) or give the chart"
     ]
 
 
