@@ -71,7 +71,7 @@ def supported_disk(x, y):
     [
         ("ssss.sinus.ba1", sinus, "argyris", (4, 16), 4),
         ("ssss.sinus.ba1", sinus, "morley", (8, 32), 1),
-        ("disk.ss.uniform", supported_disk, "argyris", (4, 12), 2.5),  # the edge is held at its nodes only
+        ("disk.ss.uniform", supported_disk, "argyris", (4, 12), 4.5),  # consistency terms on the edge
         ("disk.ss.uniform", supported_disk, "morley", (8, 32), 1),
     ],
 )
