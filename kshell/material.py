@@ -185,47 +185,29 @@ class Anisotropic:
         _require_density(self.density)
 
     @classmethod
+    def of_class(cls, kind: str, angle: float = 0.0, density: float = 0.0, **constants: float) -> Anisotropic:
+        """A material of a symmetry class ("cubic", "monoclinic", "trigonal", ...) from its constants C11, C12, ...
+
+        The distinguished axis is z, the normal of the plate; see `kshell.elastic_symmetry.CLASSES`.
+        """
+        from kshell.elastic_symmetry import stiffness
+
+        return cls(C=stiffness(kind, **constants), density=density, angle=angle)
+
+    @classmethod
     def cubic(
         cls, C11: float, C12: float, C44: float, angle: float = 0.0, density: float = 0.0
     ) -> Anisotropic:
         """Three equal axes, one of them along z; `angle` turns the others about z, in degrees."""
-        C = np.diag([C11, C11, C11, C44, C44, C44]).astype(float)
-        C[:3, :3] += C12 * (1.0 - np.eye(3))
-        return cls(C=C, density=density, angle=angle)
+        return cls.of_class("cubic", angle, density, C11=C11, C12=C12, C44=C44)
 
     @classmethod
-    def monoclinic(
-        cls,
-        *,
-        C11: float,
-        C12: float,
-        C13: float,
-        C22: float,
-        C23: float,
-        C33: float,
-        C44: float,
-        C55: float,
-        C66: float,
-        C16: float = 0.0,
-        C26: float = 0.0,
-        C36: float = 0.0,
-        C45: float = 0.0,
-        angle: float = 0.0,
-        density: float = 0.0,
-    ) -> Anisotropic:
-        """One plane of symmetry, the plane of the plate (z constant): 13 constants."""
-        upper = np.array(
-            [
-                [C11, C12, C13, 0, 0, C16],
-                [0, C22, C23, 0, 0, C26],
-                [0, 0, C33, 0, 0, C36],
-                [0, 0, 0, C44, C45, 0],
-                [0, 0, 0, 0, C55, 0],
-                [0, 0, 0, 0, 0, C66],
-            ],
-            dtype=float,
-        )
-        return cls(C=upper + np.triu(upper, 1).T, density=density, angle=angle)
+    def monoclinic(cls, *, angle: float = 0.0, density: float = 0.0, **constants: float) -> Anisotropic:
+        """One plane of symmetry, the plane of the plate (z constant): 13 constants C11 ... C66.
+
+        C16, C26, C36 and C45 are 0 where they are not given.
+        """
+        return cls.of_class("monoclinic", angle, density, **constants)
 
     def plane_stress(self) -> Floats:
         """(3, 3) stiffness Q in global axes, force per area.

@@ -237,7 +237,8 @@ class ReadyChart(Chart):
     """A chart with a name and constants, whose map is written by hand."""
 
     def __init__(self, ready_map: SmoothMap, domain: tuple[Range, Range], **constants: float) -> None:
-        kind = type(self).__name__.lower()
+        # "MonkeySaddle" is called "monkey saddle"
+        kind = "".join(" " + c.lower() if c.isupper() else c for c in type(self).__name__).strip()
         for key, value in constants.items():
             number = isinstance(value, (int, float, np.integer, np.floating))
             if not (number and np.isfinite(value) and value > 0.0):

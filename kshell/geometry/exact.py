@@ -21,7 +21,7 @@ from kshell.geometry.smooth import UNLIMITED, Partials, SmoothMap, indices
 TRACEABLE = {
     "sin": "sin", "cos": "cos", "tan": "tan", "arcsin": "asin", "arccos": "acos", "arctan": "atan",
     "arctan2": "atan2", "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "arcsinh": "asinh",
-    "arccosh": "acosh", "arctanh": "atanh", "exp": "exp", "log": "log", "sqrt": "sqrt",
+    "arccosh": "acosh", "arctanh": "atanh", "exp": "exp", "log": "log", "sqrt": "sqrt", "cbrt": "cbrt",
 }  # fmt: skip
 ARITHMETIC: dict[str, Callable[..., Any]] = {
     "add": lambda a, b: a + b,

@@ -72,9 +72,9 @@ def gauss_bonnet(
         of its own: leave it out of the range).
     """
     u, v = chart.ranges(u_range, v_range)
-    lines = _sides(chart, u, v)
-    pole = {side: _is_pole(chart, line) for side, line in lines.items()}
-    glued = {a: _is_glued(chart, u, v, a) and not pole[a + "0"] for a in "uv"}
+    lines, size = _sides(chart, u, v), _size(chart, u, v)
+    pole = {side: _is_pole(chart, line, size) for side, line in lines.items()}
+    glued = {a: _is_glued(chart, u, v, a, size) and not pole[a + "0"] for a in "uv"}
     for side in lines:
         if pole[side] and glued["v" if side[0] == "u" else "u"]:
             _refuse_tip(chart, side, u, v)
@@ -101,10 +101,14 @@ def _sides(chart: Chart, u: Range, v: Range) -> dict[str, Curve]:
     }
 
 
-def _is_pole(chart: Chart, line: Curve) -> bool:
+def _size(chart: Chart, u: Range, v: Range) -> float:
+    grid = chart(*np.meshgrid(np.linspace(*u, 9), np.linspace(*v, 9)))
+    return float(np.ptp(grid.reshape(-1, 3), axis=0).max())
+
+
+def _is_pole(chart: Chart, line: Curve, size: float) -> bool:
     path = line(np.linspace(0.0, 1.0, 17))
     x = chart(path[:, 0], path[:, 1])
-    size = np.abs(chart(*np.meshgrid(*(np.linspace(*r, 5) for r in chart.domain)))).max()
     return bool(np.ptp(x, axis=0).max() <= CLOSED * size)
 
 
@@ -123,7 +127,7 @@ def _refuse_tip(chart: Chart, side: str, u: Range, v: Range) -> None:
         )
 
 
-def _is_glued(chart: Chart, u: Range, v: Range, axis: str) -> bool:
+def _is_glued(chart: Chart, u: Range, v: Range, axis: str, size: float) -> bool:
     """Whether the two sides coincide, with one tangent plane at each inner point."""
     inner = np.linspace(0.0, 1.0, 19)[1:-1]
     if axis == "u":
@@ -133,9 +137,7 @@ def _is_glued(chart: Chart, u: Range, v: Range, axis: str) -> bool:
         along = u[0] + (u[1] - u[0]) * inner
         first, last = (along, np.full_like(along, v[0])), (along, np.full_like(along, v[1]))
     a, b = chart(*first), chart(*last)
-    if np.abs(a - b).max() > CLOSED * np.abs(a).max():
-        return False
-    if max(np.ptp(a, axis=0)) <= CLOSED * np.abs(a).max():
+    if np.abs(a - b).max() > CLOSED * size or np.ptp(a, axis=0).max() <= CLOSED * size:
         return False
     return bool(np.abs(chart.at(*first).normal - chart.at(*last).normal).max() < SMOOTH)
 

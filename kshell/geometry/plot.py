@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,6 +31,7 @@ KIND_COLOURS = {
     "parabolic": "#dd9b3c",
     "planar": "#8c8c8c",
 }
+LEGEND: Final = "outside upper left"
 INSET = 1e-3  # of the range: how far pictures stay from poles, where a chart is singular
 
 
@@ -47,7 +48,8 @@ def curvature(
     s = _cells(chart, n, u_range, v_range)
     values = {"k1": 0, "k2": 1}.get(quantity)
     data = s.principal_curvatures[..., values] if values is not None else getattr(s, quantity)
-    figure, axes = _space(f"{QUANTITIES[quantity]} of the {chart.name}")
+    title = f"{QUANTITIES[quantity]} of the {chart.name}"
+    figure, axes = _space(title[0].upper() + title[1:])
     _coloured(axes, _corners(chart, n, u_range, v_range), data, QUANTITIES[quantity])
     return figure
 
@@ -69,7 +71,7 @@ def classification(
         x, y, z, facecolors=colours, rstride=1, cstride=1, shade=True, linewidth=0, antialiased=False
     )
     present = [kind for kind in KIND_COLOURS if (kinds == kind).any()]
-    axes.legend(handles=[Patch(color=KIND_COLOURS[k], label=k) for k in present], loc="upper left")
+    figure.legend(handles=[Patch(color=KIND_COLOURS[k], label=k) for k in present], loc=LEGEND)
     _equal(axes, np.stack([x, y, z], axis=-1))
     return figure
 
@@ -84,21 +86,19 @@ def principal_directions(
     s = _cells(chart, n, u_range, v_range)
     figure, axes = _space(f"Principal directions of the {chart.name}")
     corners = _corners(chart, 3 * n, u_range, v_range)
-    axes.plot_surface(
-        *np.moveaxis(corners, -1, 0), color="#e8e4da", linewidth=0, antialiased=False, shade=True
-    )
+    axes.plot_surface(*np.moveaxis(corners, -1, 0), color="#e8e4da", linewidth=0, antialiased=False, zorder=1)
     size = 0.35 * np.sqrt(s.area_element * np.prod(_steps(chart, n, u_range, v_range)))
     k1, k2 = np.moveaxis(s.principal_curvatures, -1, 0)
     umbilic = np.abs(k1 - k2) <= 1e-6 * np.maximum(np.abs(k1), np.abs(k2))
+    shown = ~umbilic & _visible(axes, s.point, corners)
     if umbilic.all():
         axes.set_title(f"{chart.name}: every point is an umbilic, every direction principal")
     else:
-        lifted = s.point + 0.02 * size[..., None] * s.normal
         for i, (colour, label) in enumerate((("#c44e52", "k1"), ("#4c72b0", "k2"))):
             d = s.principal_directions[..., i, :] * size[..., None]
-            segments = np.stack([lifted - d, lifted + d], axis=-2)[~umbilic]
+            segments = np.stack([s.point - d, s.point + d], axis=-2)[shown]
             _segments(axes, segments, colour, f"direction of {label}")
-        axes.legend(loc="upper left")
+        figure.legend(loc=LEGEND)
     _equal(axes, corners)
     return figure
 
@@ -138,13 +138,13 @@ def frames(
     at = curve(t)
     for i, (name, colour) in enumerate(zip(names, ("#333333", "#c44e52", "#4c72b0"), strict=True)):
         _segments(axes, np.stack([at, at + size * rows[:, i]], axis=1), colour, name)
-    axes.legend(loc="upper left")
+    figure.legend(loc=LEGEND)
     _equal(axes, np.concatenate([line, at + size * rows[:, 1], at + size * rows[:, 2]]))
     return figure
 
 
 def on_mesh(mesh: Mesh, values: ArrayLike, label: str, title: str = "") -> Figure:
-    """A triangle mesh coloured by values at vertices or triangles; grey where they are NaN.
+    """A triangle mesh coloured by values at vertices (in cells) or triangles; grey where NaN.
 
     Raises
     ------
@@ -155,27 +155,39 @@ def on_mesh(mesh: Mesh, values: ArrayLike, label: str, title: str = "") -> Figur
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     data = np.asarray(values, dtype=np.float64)
+    corners = mesh.points[mesh.triangles]
     if data.shape == (len(mesh.points),):
-        data = data[mesh.triangles].mean(axis=1)
-    elif data.shape != (len(mesh.triangles),):
+        data = data[mesh.triangles].ravel()
+        polygons = _vertex_cells(corners)
+    elif data.shape == (len(mesh.triangles),):
+        polygons = corners
+    else:
         raise InputError(f"values of shape {data.shape} are neither one per vertex nor one per triangle")
     figure, axes = _space(title)
     limit = _limit(data)
     mapped = _mappable(TwoSlopeNorm(0.0, -limit, limit))
     colours = mapped.to_rgba(data)
     colours[~np.isfinite(data)] = (0.6, 0.6, 0.6, 1.0)
-    edge = "#00000030" if len(mesh.triangles) < 5000 else "none"
-    axes.add_collection3d(Poly3DCollection(mesh.points[mesh.triangles], facecolors=colours, edgecolors=edge))
+    edges = "#00000030" if polygons is corners and len(corners) < 5000 else colours
+    axes.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors=edges, linewidths=0.4))
     figure.colorbar(mapped, ax=axes, label=label, shrink=0.7, pad=0.08)
     _equal(axes, mesh.points)
     return figure
+
+
+def _vertex_cells(corners: Floats) -> Floats:
+    """(3 * triangle, 4, 3) the part of each triangle nearest to each of its corners, as quadrilaterals."""
+    after = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    before = 0.5 * (corners + np.roll(corners, 1, axis=1))
+    middle = np.broadcast_to(corners.mean(axis=1, keepdims=True), corners.shape)
+    return np.stack([corners, after, middle, before], axis=2).reshape(-1, 4, 3)
 
 
 def _space(title: str) -> tuple[Figure, Any]:
     import matplotlib.pyplot as plt
 
     figure = plt.figure(figsize=(6.5, 5), layout="constrained")
-    axes = figure.add_subplot(projection="3d")
+    axes = figure.add_subplot(projection="3d", computed_zorder=False)
     axes.set_title(title)
     return figure, axes
 
@@ -249,10 +261,32 @@ def _coloured(axes: Any, corners: Floats, data: Floats, label: str | None) -> No
     _equal(axes, corners)
 
 
+def _visible(axes: Any, points: Floats, surface: Floats) -> NDArray[np.bool_]:
+    """Which points no other part of the surface hides, as the axes are turned now.
+
+    matplotlib draws whole collections in one depth; so marks on a surface must be sorted out beforehand.
+    """
+    from scipy.spatial import KDTree
+
+    elevation, azimuth = np.radians(axes.elev), np.radians(axes.azim)
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    outward = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    toward = np.cos(elevation) * outward + np.sin(elevation) * np.array([0.0, 0.0, 1.0])
+    screen = np.stack([right, np.cross(toward, right)], axis=1)
+    cells = surface.reshape(-1, 3)
+    size = float(np.linalg.norm(np.ptp(cells, axis=0)))
+    tree = KDTree(cells @ screen)
+    flat = points.reshape(-1, 3)
+    near = tree.query_ball_point(flat @ screen, 0.02 * size)
+    depth = cells @ toward
+    front = np.array([depth[found].max() if found else -np.inf for found in near])
+    return (flat @ toward > front - 0.08 * size).reshape(points.shape[:-1])
+
+
 def _segments(axes: Any, segments: Floats, colour: str, label: str) -> None:
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
-    axes.add_collection3d(Line3DCollection(segments, colors=colour, linewidths=1.4, label=label))
+    axes.add_collection3d(Line3DCollection(segments, colors=colour, linewidths=1.4, label=label, zorder=2))
 
 
 def _equal(axes: Any, points: Floats) -> None:

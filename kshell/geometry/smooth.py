@@ -99,9 +99,9 @@ class GivenMap(SmoothMap):
             names = [index for index in indices(self.parameters, n) if sum(index) == n]
             if self.parameters == 1:
                 value = [value]
-            elif len(value) != len(names):
+            elif not isinstance(value, (tuple, list)) or len(value) != len(names):
                 raise InputError(
-                    f"derivatives of order {n}: {len(names)} vectors expected, {len(value)} given"
+                    f"the derivatives of order {n} must be a tuple of {len(names)} vectors, not {_describe(value)}"
                 )
             for index, vector in zip(names, value, strict=True):
                 out[index] = self._vector(vector, shape, f"a derivative of order {n}")
@@ -110,7 +110,8 @@ class GivenMap(SmoothMap):
     def _vector(self, value: Any, shape: tuple[int, ...], what: str) -> list[Component]:
         if isinstance(value, np.ndarray) and value.shape == (*shape, self.components):
             return [value[..., i] for i in range(self.components)]
-        if isinstance(value, (tuple, list, np.ndarray)) and len(value) == self.components:
+        # an array (component, ...) is refused: with as many points as components it could not be told apart
+        if isinstance(value, (tuple, list)) and len(value) == self.components:
             components = [np.asarray(c, dtype=np.float64)[()] for c in value]
             if all(np.ndim(c) == 0 or np.shape(c) == shape for c in components):
                 return components

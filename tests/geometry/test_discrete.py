@@ -1,5 +1,8 @@
 """Curvature of triangle meshes: exact cases, known limits, where it converges and where it does not."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -95,21 +98,22 @@ def test_turning_the_mesh_over_changes_the_sign() -> None:
 
 # --- the known limits at one vertex --------------------------------------------------------------------
 
-VALENCE = [  # n, turn by pi/n, k1, k2, limit of angle defect over a third of the area
-    (3, False, 1, 1, 3.0), (3, True, 1, 0, 0.75), (3, False, 2, 1, 6.75),
-    (4, False, 1, 1, 1.5), (4, False, 1, 0, 0.0), (4, True, 1, 0, 0.375), (4, False, 1, -1, -1.5),
-    (4, True, 1, -1, 0.0), (4, False, 2, 1, 3.0), (4, True, 2, 1, 3.375),
-    (5, False, 1, 1, 1.145898), (5, True, 1, 0, 0.054711763), (5, False, 1, -1, -0.92705098),
-    (6, False, 1, 1, 1.0), (6, True, 1, 0, 0.0), (6, False, 2, 1, 2.0), (6, True, 1, -1, -1.0),
-    (8, False, 1, 1, 0.87867966), (8, True, 1, 0, -0.045495129), (8, False, 2, 1, 1.7118642),
-]  # fmt: skip
+LIMITS = json.loads((Path(__file__).parent / "valence_limits.json").read_text(encoding="utf-8"))["limits"]
+VALENCE = [(ring, bending, limit) for ring, row in LIMITS.items() for bending, limit in row.items()]
 
 
-@pytest.mark.parametrize(("n", "turn", "k1", "k2", "limit"), VALENCE)
-def test_angle_defect_tends_to_the_curvature_at_valence_six_only(n, turn, k1, k2, limit) -> None:
-    mesh = vertex_ring(n, k1, k2, np.pi / n if turn else 0.0, eta=1e-3)
+@pytest.mark.parametrize(("ring", "bending", "limit"), VALENCE)
+def test_angle_defect_tends_to_the_curvature_at_valence_six_only(
+    ring: str, bending: str, limit: float
+) -> None:
+    """Rings such as "n=4,rot pi/n", paraboloids such as "k1=2,k2=1"."""
+    n = int(ring[2])
+    k1, k2 = (float(part.split("=")[1]) for part in bending.split(","))
+    mesh = vertex_ring(n, k1, k2, np.pi / n if ring.endswith("rot pi/n") else 0.0, eta=1e-3)
     value = angle_defect(mesh)[0] / vertex_areas(mesh, "barycentric")[0]
     assert value == pytest.approx(limit, abs=5e-5)
+    if n == 6:
+        assert value == pytest.approx(k1 * k2, abs=5e-5)
 
 
 @pytest.mark.parametrize("n", [3, 4, 5, 6, 7, 8, 12])

@@ -62,6 +62,15 @@ def test_disc_through_polar_parameters() -> None:
     assert abs(terms.residual) < 1e-10
 
 
+def test_a_small_surface_far_away_and_a_chart_that_ends_at_its_range() -> None:
+    far = g.Sphere(1e-3).moved(np.eye(3), (1e4, 0, 0))
+    patch = g.gauss_bonnet(far, (0.0, 1.0), (0.5, 1.0))  # no pole, nothing glued
+    assert (patch.characteristic, len(patch.corners)) == (1, 4)
+    assert abs(patch.residual) < 1e-10
+    root = g.Chart.from_expressions("u", "v", "sqrt(u - 3) + v**2")
+    assert abs(g.gauss_bonnet(root, (3.5, 4.0), (0.0, 1.0)).residual) < 1e-10
+
+
 def test_a_tip_is_refused_with_its_angle() -> None:
     with pytest.raises(InputError, match=r"v0 is one point.* turns by 4\.44288 instead of 2 pi"):
         g.gauss_bonnet(g.Cone(1, 1))

@@ -194,6 +194,10 @@ def test_given_derivatives() -> None:
     u, v = np.array([0.1, 0.9]), np.array([0.5, -0.4])
     for name in ("first_form", "second_form", "christoffel", "principal_curvatures"):
         np.testing.assert_allclose(getattr(chart.at(u, v), name), getattr(exact.at(u, v), name), atol=1e-14)
+    with pytest.raises(InputError, match="must return 3 components"):
+        g.Chart(lambda u, v: np.array([u, v, u * v]), derivatives=(first, second))
+    with pytest.raises(InputError, match="tuple of 2 vectors"):
+        g.Chart(x, derivatives=(lambda u, v: np.zeros((2, 3)), second))
     with pytest.raises(InputError, match=r"order 3.*up to order 2"):
         chart.at(u, v).metric_derivatives()
     with pytest.raises(InputError, match="derivative"):

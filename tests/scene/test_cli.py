@@ -292,7 +292,7 @@ def test_shipped_scenes(scene, tmp_path, capsys):
     code, _, err = run(capsys, "solve", scene, "--json", tmp_path / "result.json")
     assert (code, err) == (0, "")
     document = json.loads((tmp_path / "result.json").read_text())
-    assert document["warnings"] == []
+    assert len(document["warnings"]) == (1 if scene.stem == "l_shape" else 0)  # its re-entrant corner
     assert document["balance"] < 1e-6
     exact = {"disk": 5.3 / 1.3 / 64, "ellipse": 1 / (8 * (3 / 16 + 3 + 2 / 4)), "sector": 1 / 64}
     if scene.stem in exact:

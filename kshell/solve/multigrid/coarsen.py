@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kshell.mesh.order import spatial_order
 from kshell.solve.multigrid.cloud import Bools, Cloud, neighbours
 from kshell.solve.system import Ints
 
@@ -47,6 +48,7 @@ def coarsen(fine: Cloud, keep_corners: bool = True) -> Coarsening:
     chosen = choose_vertices(fine, keep_corners)
     region = join_regions(fine, chosen)
     ids = np.flatnonzero(chosen)
+    ids = ids[spatial_order(fine.points[ids])]
     number = np.full(n, -1)
     number[ids] = np.arange(len(ids))
     region = number[region]

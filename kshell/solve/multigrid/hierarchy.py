@@ -19,8 +19,8 @@ from kshell.solve.backends import SUPERLU, Singular
 from kshell.solve.checks import free_motion_error, softest_vector
 from kshell.solve.multigrid.cloud import Cloud
 from kshell.solve.multigrid.coarsen import coarsen
-from kshell.solve.multigrid.galerkin import galerkin
-from kshell.solve.multigrid.interpolate import interpolation, split_rows
+from kshell.solve.multigrid.galerkin import entries, galerkin
+from kshell.solve.multigrid.interpolate import interpolation
 from kshell.solve.multigrid.smoothers import set_smoothers
 from kshell.solve.multigrid.vertex_space import element_interpolation
 from kshell.solve.system import Floats, PlateSpace
@@ -54,7 +54,8 @@ def prolongations(space: PlateSpace) -> tuple[list[Any], list[int], list[str], C
 
     Returns
     -------
-    matrices : list of (n, 3 vertices) BSR matrices of 1 x 3 blocks
+    matrices : list of BSR matrices
+        The first (unknowns, 3 vertices) of 1 x 3 blocks, the others (3 vertices, 3 vertices) of 3 x 3 blocks, for
         (w, w_x, w_y) of active vertices; columns that the supports forbid are zero.
     vertices : list of int
         Of each vertex level.
@@ -80,7 +81,7 @@ def prolongations(space: PlateSpace) -> tuple[list[Any], list[int], list[str], C
             break
         step = interpolation(cloud, coarsening)
         # Morley goes from the element to the first coarse level at once
-        matrices.append(pending @ step if not matrices else split_rows(step))
+        matrices.append(step if matrices else pending @ step)
         cloud = coarsening.cloud
         vertices.append(len(cloud.points))
     return matrices or [pending], vertices, notes, cloud
@@ -94,19 +95,21 @@ def build(matrix: Any, space: PlateSpace) -> Hierarchy:
     SolveError
         If the structure can move freely; `state` is a `FreeMotion` on the unknowns of the matrix.
     """
+    import scipy.sparse as sp
     from pyamg.multilevel import MultilevelSolver
 
     blocks, vertices, notes, cloud = prolongations(space)
     levels = []
     a = matrix
+    product = sp.bsr_matrix((matrix.data[:, None, None], matrix.indices, matrix.indptr), shape=matrix.shape)
     while blocks:
         level = MultilevelSolver.Level()
         level.A = a
-        a = galerkin(a, blocks[0])
-        level.P = blocks.pop(0).tocsr()  # faster to multiply with, and without the zeros of the blocks
-        level.P.eliminate_zeros()
+        product = galerkin(product, blocks[0])
+        level.P = entries(blocks.pop(0))
         level.R = level.P.T
         levels.append(level)
+        a = entries(product)
     last = MultilevelSolver.Level()
     last.A = a
     levels.append(last)

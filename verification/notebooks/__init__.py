@@ -1,0 +1,1 @@
+"""Notebooks, each made from the Python script beside it."""
