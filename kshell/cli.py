@@ -1,4 +1,4 @@
-"""The command line: `kshell solve` and `kshell check`.
+"""The command line: `kshell solve`, `kshell check` and `kshell verify`.
 
 Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
 traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kshell.scene import Scene
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-COMMANDS = ("solve", "check")
+COMMANDS = ("solve", "check", "verify")
 INTERRUPTED = 130
 
 app = typer.Typer(
@@ -182,6 +182,21 @@ def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
         raise typer.Exit(2)
 
 
+@app.command()
+def verify(
+    quick: Annotated[bool, typer.Option("--quick", help="Each case once with each element.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write charts, table and an HTML page here.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Run the verification cases on this machine: value, reference, error and what is allowed of each."""
+    from verification.suite import verify as run_all
+
+    if run_all(quick, out).failed:
+        raise typer.Exit(1)
+
+
 def _is_scene(source: Path) -> bool:
     return source.suffix.lower() == ".toml"
 
@@ -295,7 +310,7 @@ def run(arguments: Sequence[str]) -> int:
     except ClickException as error:
         words = error.format_message().rstrip().rstrip(".")
         if words.startswith("No such command"):
-            words += f"; the commands are {' and '.join(COMMANDS)}"
+            words += f"; the commands are {', '.join(COMMANDS)}"
         _say(f"{words}. See kshell --help", debug)
         return 2
     except KshellError as error:

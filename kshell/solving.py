@@ -57,7 +57,7 @@ def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **opti
     if choice.kind == "plate":
         from kshell.plate import solve_plate as solve_model
     else:
-        from kshell.shell import solve_shell as solve_model
+        from kshell.shell.model import solve_shell as solve_model
     result: Result = solve_model(scene, mesh, chosen, progress, read_seconds=read_seconds)
     result.scene = scene
     for words in result.warnings:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from kshell.errors import InputError
-from kshell.mesh.build import build
+from kshell.mesh.build import build, reversed_triangles
+from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.words import nearest_name
+from kshell.mesh.orient import to_reverse
+from kshell.mesh.words import count, nearest_name
 
 GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs")
 
@@ -42,7 +45,7 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
             f"already. Leave {option} out, or give the geometry"
         )
     if isinstance(source, Mesh):
-        return source
+        return facing_up(source)
     if path is None:
         from kshell.mesh.foreign import raw_from_object
 
@@ -59,6 +62,17 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
     from kshell.mesh.foreign import read_foreign
 
     return build(read_foreign(path))
+
+
+def facing_up(mesh: Mesh) -> Mesh:
+    """A mesh in a plane z = const with its normals along +z; any other mesh as it is."""
+    if not is_flat(mesh.points):
+        return mesh
+    reverse = to_reverse(mesh, True)
+    if not reverse.any():
+        return mesh
+    note = f"{reverse.sum()} of {count(len(reverse), 'triangle')} reversed so that normals point along +z"
+    return replace(reversed_triangles(mesh, reverse), notes=(*mesh.notes, note))
 
 
 def _require_file(path: Path) -> None:

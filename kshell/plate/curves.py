@@ -61,6 +61,16 @@ class EdgeCurves:
         """Positions of given edges in this set."""
         return np.searchsorted(self.edges, edges)
 
+    def deviation(self, place: NDArray[np.integer], s: Floats, order: int = 0) -> Floats:
+        """delta(s) of some edges, or its first or second derivative by s: (n, point, 2)."""
+        power = np.arange(6)
+        c = np.zeros((len(place), 6, 2))  # s phi(s) - s^2 phi(s)
+        c[:, 1:5] += self.shape[place]
+        c[:, 2:6] -= self.shape[place]
+        for _ in range(order):
+            c = c[:, 1:] * power[1 : c.shape[1], None]
+        return np.einsum("qk,nkx->nqx", s[:, None] ** np.arange(c.shape[1]), c)
+
     @property
     def curved(self) -> NDArray[np.bool_]:
         """(n,) whether an edge deviates from its chord by more than rounding."""

@@ -67,6 +67,8 @@ class EdgePatch:
         Lengths.
     normal : (n, point, 2) array
         Unit normal, out of the triangle.
+    curvature : (n, point, 2) array
+        Curvature vector, across the tangent.
     """
 
     edges: Ints
@@ -75,6 +77,7 @@ class EdgePatch:
     xy: Floats
     weights: Floats
     normal: Floats
+    curvature: Floats
 
 
 class Domain:
@@ -181,15 +184,15 @@ class Domain:
         a, b = self.points[ends[:, 0]], self.points[ends[:, 1]]
         speed = np.repeat((b - a)[:, None], len(s), axis=1)
         offset = speed * s[:, None]  # from a
+        bend = np.zeros_like(speed)  # second derivative by s
         curves = self.boundary
         place = np.minimum(curves.place(edges), max(len(curves.edges) - 1, 0))
         if len(curves.edges):
             here = np.flatnonzero((curves.edges[place] == edges) & curves.curved[place])
-            shape = curves.shape[place[here]]
-            phi = np.einsum("qk,nkx->nqx", powers(s, 3), shape)
-            slope = np.einsum("qk,nkx->nqx", powers(s, 2) * np.array([1.0, 2.0, 3.0]), shape[:, 1:])
-            offset[here] += (s * (1 - s))[:, None] * phi
-            speed[here] += (1 - 2 * s)[:, None] * phi + (s * (1 - s))[:, None] * slope
+            bubble, slope, second = (curves.deviation(place[here], s, order) for order in range(3))
+            offset[here] += bubble
+            speed[here] += slope
+            bend[here] = second
         length = np.hypot(speed[..., 0], speed[..., 1])
         affine = self.affine(triangle)
         xy = a[:, None] + offset
@@ -200,8 +203,16 @@ class Domain:
         xi = affine.reference_coordinates(xy)
         if not self.boundary.curved.any():
             xi = self._on_chord(local, affine.sense[np.arange(len(edges)), local], s)
+        tangent = speed / length[..., None]
+        across = bend - (bend * tangent).sum(axis=-1, keepdims=True) * tangent
         return EdgePatch(
-            edges, triangle.astype(np.int64), xi, xy, length * w, normal * outward[:, None, None]
+            edges,
+            triangle.astype(np.int64),
+            xi,
+            xy,
+            length * w,
+            normal * outward[:, None, None],
+            across / length[..., None] ** 2,
         )
 
     @staticmethod

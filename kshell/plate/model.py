@@ -14,6 +14,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.modelling import choose_model
 from kshell.options import SolveOptions
 from kshell.plate.problem import PlateProblem, choose_element
+from kshell.plate.product import strain_product
 from kshell.plate.reactions import ReactionFinder
 from kshell.plate.recovery import Fields
 from kshell.probing import probe_values
@@ -23,6 +24,7 @@ from kshell.solve import Solution, solve_system
 from kshell.tensors import principal, von_mises
 
 Floats = NDArray[np.float64]
+ROUNDED_FROM = 20_000  # unknowns from which rounding of the matrix exceeds 1e-10 of the deflection
 UNBALANCED = 1e-6
 
 
@@ -91,7 +93,10 @@ def _solve(problem: PlateProblem, rhs: Floats, options: SolveOptions) -> Solutio
     if problem.reduction.count == 0:
         none = np.zeros(0)
         return Solution(none, "none", "the supports hold every degree of freedom", 0, (0.0,), 0.0, 0.0)
-    return solve_system(problem.assembled.matrix, rhs, problem.space, options.solver)
+    # rounding of the matrix costs quintics digits on fine meshes: residuals through strains keep them
+    fine = problem.element.maxdeg > 2 and problem.reduction.count > ROUNDED_FROM
+    product = strain_product(problem) if fine else None
+    return solve_system(problem.assembled.matrix, rhs, problem.space, options.solver, product=product)
 
 
 def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution) -> Result:

@@ -81,20 +81,22 @@ class PlateProblem:
         self.layout = Layout(mesh, element)
         self.section: Section = plate_section(mesh, scene.thickness, scene.material, scene.layers)
         self.bending = Bending(self.domain, element, self.section)
-        self.supports: Supports = apply_supports(list(scene.supports), self.domain, self.layout)
+        self.supports: Supports = apply_supports(list(scene.supports), self.domain, self.layout, self.bending)
         self.loads: Loads = apply_loads(
             list(scene.loads), self.domain, self.layout, self.bending, self.section
         )
         springs = [form for _, form in self.supports.springs]
         require_held(self.domain, self.layout, self.supports.conditions, springs)
         self.reduction = Reduction(self.layout, self.supports.conditions)
-        self.forms: list[Form] = [self.bending, *springs]
+        holds = [form for _, form in self.supports.holds]
+        self.forms: list[Form] = [self.bending, *springs, *holds]
+        self.linear_forms = [*self.loads.forms, *self.supports.hold_loads]
 
     @cached_property
     def assembled(self) -> Assembled:
         """Matrix and loads on the unknowns, and the share of prescribed motion."""
         pattern = Pattern(self.reduction)
-        return assemble(self.forms, self.loads.forms, self.domain, self.reduction, pattern)
+        return assemble(self.forms, self.linear_forms, self.domain, self.reduction, pattern)
 
     @cached_property
     def space(self) -> PlateSpace:

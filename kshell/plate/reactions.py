@@ -50,7 +50,7 @@ class ReactionFinder:
         self, domain: Domain, layout: Layout, reduction: Reduction, supports: Supports, bending: Form
     ) -> None:
         self.domain, self.layout, self.reduction, self.supports = domain, layout, reduction, supports
-        self.forms = [bending, *[form for _, form in supports.springs]]
+        self.forms = [bending, *[form for _, form in [*supports.springs, *supports.holds]]]
         mesh = domain.mesh
         self.centre = 0.5 * (domain.points.min(axis=0) + domain.points.max(axis=0))
         self.size = float(np.abs(domain.points - self.centre).max())
@@ -62,15 +62,20 @@ class ReactionFinder:
 
     def find(self, d: Floats, loads: list[LinearForm], fields: Fields) -> Reactions:
         """Reactions of a solution with physical degrees of freedom d."""
-        r = residual(self.forms, loads, self.domain, self.reduction, d, self.near)
+        linear = [*loads, *self.supports.hold_loads]
+        r = residual(self.forms, linear, self.domain, self.reduction, d, self.near)
         slopes = self._release_slopes(r)
         totals: dict[str, Floats] = {}
         share = self._shares()
         for group in self.supports.held:
             total = self._at_vertices(r, group.vertices, share) + self._at_edges(r, slopes, group.edges)
             totals[group.label] = totals.get(group.label, np.zeros(3)) + total
-        for label, form in self.supports.springs:
+        # what springs, and the consistency terms of curved edges, exert over the plate's own residual
+        for label, form in [*self.supports.springs, *self.supports.holds]:
             totals[label] = totals.get(label, np.zeros(3)) + self._spring_force(form, d)
+        for load in self.supports.hold_loads:
+            label = next(name for name, form in self.supports.holds if form is load.hold)
+            totals[label] = totals[label] + self._rigid_work(load)
         corners = self._corner_forces(fields)
         groups = {
             label: self._document(total, [c for c in corners if label in c["groups"]])
@@ -136,6 +141,14 @@ class ReactionFinder:
             rigid = self._rigid(triangles)
             both = np.concatenate([m @ rigid, m @ dofs[:, :, None]], axis=2)
             total -= form.matrices(positions, both)[:, :3, 3].sum(axis=0)
+        return total
+
+    def _rigid_work(self, load: LinearForm) -> Floats:
+        """Work of a load on the three rigid motions."""
+        total = np.zeros(3)
+        for positions, triangles in load.blocks():
+            m = self.layout.element.transformation(self.domain.affine(triangles))
+            total += load.vectors(positions, m @ self._rigid(triangles)).sum(axis=0)
         return total
 
     def _rigid(self, triangles: Ints) -> Floats:

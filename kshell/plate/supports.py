@@ -25,7 +25,8 @@ from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
 from kshell.plate.curves import EdgeCurves, edge_curves
 from kshell.plate.domain import Domain
-from kshell.plate.forms import AreaSpring, EdgeSpring, Form, PointSpring
+from kshell.plate.forms import AreaSpring, Bending, EdgeSpring, Form, PointSpring
+from kshell.plate.holds import CurvedHold, HoldLoad
 from kshell.plate.layout import Layout
 from kshell.plate.reduction import Conditions
 
@@ -65,16 +66,22 @@ class Supports:
     conditions : Conditions
     springs : list of (label, Form)
     held : list of HeldGroup
+    holds : list of (label, CurvedHold)
+        Consistency terms of held curved edges.
+    hold_loads : list of HoldLoad
+        Their right-hand sides where a deflection is prescribed.
     warnings : list of str
     """
 
     conditions: Conditions = field(default_factory=Conditions)
     springs: list[tuple[str, Form]] = field(default_factory=list)
     held: list[HeldGroup] = field(default_factory=list)
+    holds: list[tuple[str, CurvedHold]] = field(default_factory=list)
+    hold_loads: list[HoldLoad] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
 
-def apply_supports(supports: list[Any], domain: Domain, layout: Layout) -> Supports:
+def apply_supports(supports: list[Any], domain: Domain, layout: Layout, bending: Bending) -> Supports:
     """Translate the supports of a scene.
 
     Raises
@@ -82,7 +89,7 @@ def apply_supports(supports: list[Any], domain: Domain, layout: Layout) -> Suppo
     InputError
         For groups that do not exist or do not fit the kind of support.
     """
-    builder = _Builder(domain, layout)
+    builder = _Builder(domain, layout, bending)
     for support in supports:
         names = (
             support.on if isinstance(support.on, tuple) and isinstance(support.on[0], str) else (support.on,)
@@ -99,8 +106,10 @@ def points_3d(domain: Domain, xy: Floats) -> Floats:
 
 
 class _Builder:
-    def __init__(self, domain: Domain, layout: Layout) -> None:
-        self.domain, self.layout = domain, layout
+    def __init__(self, domain: Domain, layout: Layout, bending: Bending) -> None:
+        self.domain, self.layout, self.bending = domain, layout, bending
+        # curved edges that have their consistency terms for deflection and for slope already
+        self.consistent = np.zeros((2, len(domain.mesh.edges)), dtype=bool)
         self.mesh: Mesh = domain.mesh
         self.rich = layout.per_vertex == 6  # gradients and Hessians at vertices
         self.out = Supports()
@@ -218,6 +227,8 @@ class _Builder:
                 self._edge_end(ends[:, end], t, k, values[:, end], holds_w, holds_r)
         if holds_r:
             self._edge_slopes(edges, curves)
+        if self.rich:
+            self._curved_holds(support, edges, selection.label, holds_w, holds_r)
         held_vertices = vertices if holds_w or self.rich else NONE
         group = HeldGroup(
             selection.label, held_vertices, edges if holds_r else NONE, edges if holds_w else NONE
@@ -243,6 +254,21 @@ class _Builder:
             # n = t turned by -90 degrees, so dn/ds = k turned by -90 degrees
             turned = {1: ky, 2: -kx, 3: tx * nx, 4: tx * ny + ty * nx, 5: ty * ny}
             conditions.at_vertices(vertices, self._row(turned, n))
+
+    def _curved_holds(self, support: Any, edges: Ints, label: str, holds_w: bool, holds_r: bool) -> None:
+        """Consistency terms on curved boundary edges, once for each edge and quantity."""
+        curves = self.domain.boundary
+        bent = edges[np.isin(edges, curves.edges[curves.curved])]
+        needs = np.array([[holds_w], [holds_r]]) & ~self.consistent[:, bent]
+        self.consistent[:, bent] |= needs
+        for value, slope in ((True, True), (True, False), (False, True)):
+            chosen = bent[(needs[0] == value) & (needs[1] == slope)]
+            if len(chosen):
+                element = self.layout.element
+                hold = CurvedHold(self.domain, element, self.bending, chosen, value, slope)
+                self.out.holds.append((label, hold))
+                if value and support.value is not None:
+                    self.out.hold_loads.append(HoldLoad(hold, lambda xy: self._value(support, xy)))
 
     def _edge_values(self, support: Any, edges: Ints) -> Floats:
         """Prescribed w and its first and second derivative by arc length at both ends: (edge, end, 3)."""

@@ -38,7 +38,7 @@ class ChartSupports:
         self._vertices: list[NDArray] = []
         self._rows: list[Floats] = []
         self._values: list[Floats] = []
-        self._turned: dict[int, None] = {}
+        self._slopes: list[tuple[NDArray, Floats | None]] = []
         mesh = surface.mesh
         sum_of_lengths = np.bincount(mesh.edges.ravel(), np.repeat(mesh.edge_lengths, 2), len(mesh.points))
         self._size = sum_of_lengths / np.bincount(mesh.edges.ravel(), minlength=len(mesh.points))
@@ -52,21 +52,27 @@ class ChartSupports:
                 first = coefficients[0, 0] != 0.0  # the value itself; its derivatives along the edge vanish
                 self._add(vertices, rows, np.full(len(vertices), value if first else 0.0))
 
-    def rotation(self, edges: ArrayLike) -> None:
-        """No rotation about edges: n . u,m = 0."""
+    def rotation(self, edges: ArrayLike, directions: ArrayLike | None = None) -> None:
+        """No rotation about edges: n . u,m = 0, or c . u,m = 0 for every row c of `directions` (k, 3).
+
+        On a clamped edge the first holds exactly at large deflections, too.
+        """
         edges = np.atleast_1d(np.asarray(edges, dtype=np.int64))
+        fixed = None if directions is None else np.asarray(directions, dtype=float)
         for vertices, t in self._ends(edges):
             n, n_t, m, m_t, _ = self._across(self.surface.mesh.points[vertices, :2], t)
-            rows = np.zeros((len(vertices), 6, 3))
-            rows[:, 1:3] = m[:, :, None] * n[:, None]
-            self._add(vertices, rows.reshape(-1, 18), np.zeros(len(vertices)))
-            rows = np.zeros((len(vertices), 6, 3))
-            rows[:, 1:3] = m[:, :, None] * n_t[:, None] + m_t[:, :, None] * n[:, None]
-            for a in range(2):
-                for b in range(2):
-                    rows[:, SECOND[a, b]] += (m[:, a] * t[:, b])[:, None] * n
-            self._add(vertices, rows.reshape(-1, 18), np.zeros(len(vertices)))
-        self._turned.update(dict.fromkeys(edges.tolist()))
+            still = [] if fixed is None else [np.broadcast_to(c, n.shape) for c in fixed]
+            for c, c_t in [(n, n_t)] if fixed is None else [(c, np.zeros_like(n)) for c in still]:
+                rows = np.zeros((len(vertices), 6, 3))
+                rows[:, 1:3] = m[:, :, None] * c[:, None]
+                self._add(vertices, rows.reshape(-1, 18), np.zeros(len(vertices)))
+                rows = np.zeros((len(vertices), 6, 3))
+                rows[:, 1:3] = m[:, :, None] * c_t[:, None] + m_t[:, :, None] * c[:, None]
+                for a in range(2):
+                    for b in range(2):
+                        rows[:, SECOND[a, b]] += (m[:, a] * t[:, b])[:, None] * c
+                self._add(vertices, rows.reshape(-1, 18), np.zeros(len(vertices)))
+        self._slopes.append((edges, fixed))
 
     def translation(self, edges: ArrayLike, axes: str = "xyz", value: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Prescribe components, named by letters, of the displacement `value` (3,) along edges."""
@@ -92,10 +98,13 @@ class ChartSupports:
         self.translation(edges, "xyz", value)
 
     def symmetry(self, edges: ArrayLike, normal: ArrayLike | None = None) -> None:
-        """The edges lie in a plane of symmetry. See `Supports.symmetry`."""
+        """The edges lie in a plane of symmetry. See `Supports.symmetry`.
+
+        The derivative of u across the plane has no part along it, which is exact at any deflection.
+        """
         axis = self._plane(edges, "a symmetry plane", normal, self._conormal(edges))
         self.along(edges, axis)
-        self.rotation(edges)
+        self.rotation(edges, np.linalg.svd(axis[None])[2][1:])
 
     def diaphragm(self, edges: ArrayLike, normal: ArrayLike | None = None) -> None:
         """A wall in the plane of the edges, rigid in its plane and soft across it."""
@@ -126,16 +135,15 @@ class ChartSupports:
                 entries.append(free.ravel())
                 count += free.shape[1]
         carried = sp.csr_matrix((surface.unknowns, surface.unknowns))
-        if self._turned:
-            edges = np.fromiter(self._turned, dtype=np.int64)
-            unknowns, normal, carried = self._midpoints(edges)
+        if self._slopes:
+            unknowns, free, kept, carried = self._midpoints()
             fixed[unknowns] = True
-            plane = np.linalg.svd(normal[:, None])[2][:, 1:]  # (edge, 2, 3) directions across n
-            for k in range(2):
-                rows.append(unknowns.ravel())
-                columns.append(np.repeat(count + np.arange(len(edges)), 3))
-                entries.append(plane[:, k].ravel())
-                count += len(edges)
+            for k in range(3):  # the last directions of each midpoint are free
+                some = np.flatnonzero(kept > k)
+                rows.append(unknowns[some].ravel())
+                columns.append(np.repeat(count + np.arange(len(some)), 3))
+                entries.append(free[some, 2 - k].ravel())
+                count += len(some)
         rest = np.flatnonzero(~fixed)
         basis = sp.csc_matrix(
             (
@@ -237,13 +245,15 @@ class ChartSupports:
             raise InputError(f"supports prescribe different displacements at (u, v) = ({x:.6g}, {y:.6g})")
         return v[rank:].T * scale[:, None], motion * scale
 
-    def _midpoints(self, edges: NDArray) -> tuple[NDArray, Floats, sp.csr_matrix]:
-        """Unknowns of edge midpoints (edge, 3), n there, and what the vertices say about n . u,nu.
+    def _midpoints(self) -> tuple[NDArray, Floats, NDArray, sp.csr_matrix]:
+        """Unknowns (edge, 3) of edge midpoints with conditions, directions (edge, 3, 3) of which the last `kept`
+        (edge,) are free, and what the vertices say about the others.
 
-        With m = m_nu nu + m_tau T the condition is n . u,nu = -(m_tau / m_nu) n . u,T, and u,T at the midpoint of
+        With m = m_nu nu + m_tau T a condition is c . u,nu = -(m_tau / m_nu) c . u,T, and u,T at the midpoint of
         a quintic is 15/8 [u] / L - 7/16 (u,T + u,T) + L/32 [u,TT].
         """
         mesh = self.surface.mesh
+        edges = np.unique(np.concatenate([e for e, _ in self._slopes]))
         ends = mesh.edges[edges]
         a, b = mesh.points[ends[:, 0], :2], mesh.points[ends[:, 1], :2]
         length = np.linalg.norm(b - a, axis=1)
@@ -252,6 +262,14 @@ class ChartSupports:
         n, _, m, _, _ = self._across(0.5 * (a + b), t)
         slant = -np.sum(m * t, axis=1) / np.sum(m * nu, axis=1)
         unknowns = 3 * (6 * len(mesh.points) + edges)[:, None] + np.arange(3)
+        conditions = np.zeros((len(edges), 3 * len(self._slopes), 3))
+        for k, (some, fixed) in enumerate(self._slopes):
+            mine = np.searchsorted(edges, some)
+            directions = n[mine, None] if fixed is None else fixed[None]
+            conditions[mine, 3 * k : 3 * k + directions.shape[1]] = directions
+        _, size, directions = np.linalg.svd(conditions, full_matrices=False)
+        independent = size > 1e-6
+        onto = np.einsum("ei,eix,eiy->exy", independent, directions, directions)
         row, column, entry = [], [], []
         for vertices, sign in ((ends[:, 0], -1.0), (ends[:, 1], 1.0)):
             tx, ty = t.T
@@ -267,14 +285,15 @@ class ChartSupports:
                 ],
                 axis=1,
             )
-            block = np.einsum("e,ex,ek,ey->exky", slant, n, parts, n)
+            block = np.einsum("e,exy,ek->exky", slant, onto, parts)
             where = 18 * vertices[:, None] + np.arange(18)
             row.append(np.repeat(unknowns, 18, axis=1).ravel())
             column.append(np.repeat(where[:, None], 3, axis=1).ravel())
             entry.append(block.ravel())
         shape = (self.surface.unknowns, self.surface.unknowns)
         place = (np.concatenate(row), np.concatenate(column))
-        return unknowns, n, sp.csr_matrix((np.concatenate(entry), place), shape=shape)
+        carried = sp.csr_matrix((np.concatenate(entry), place), shape=shape)
+        return unknowns, directions, 3 - independent.sum(axis=1), carried
 
 
 def _along_edge(t: Floats) -> list[Floats]:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
-from kshell.errors import SolveError
 from kshell.shell.edges import Directors, turn_directors
 from kshell.shell.energy import Energy, StrainEnergy
+from kshell.shell.factor import Factor, factorise
 from kshell.shell.koiter import Koiter
 from kshell.shell.supports import Reduction
-from kshell.solve.backends import Singular, installed_backends
 
 Floats = NDArray[np.float64]
 
@@ -108,48 +106,3 @@ class State:
     memory: Directors | Any
     iterations: int = 0
     negative: int = 0
-
-
-@dataclass
-class Factor:
-    """A factorised symmetric matrix.
-
-    Attributes
-    ----------
-    solve : callable
-    negative : int
-        Negative pivots.
-    """
-
-    solve: Callable[[Any], Any]
-    negative: int = field(default=0)
-
-
-def factorise(matrix: sp.spmatrix, symmetric: bool = True) -> Factor:
-    """Cholesky where the matrix is positive definite, else LU with pivots on the diagonal, whose signs count.
-
-    Parameters
-    ----------
-    symmetric : bool
-        False for a tangent with follower loads, which is symmetric only up to terms on free edges.
-
-    Raises
-    ------
-    SolveError
-        If the matrix is singular or holds numbers that are not finite.
-    """
-    if not np.all(np.isfinite(matrix.data)):
-        raise SolveError("the stiffness is not finite: the step led too far away")
-    if symmetric:
-        try:
-            solve: Callable[[Any], Any] = installed_backends()[0].factorise(matrix.tocsr())[0]
-            return Factor(solve)
-        except Singular:
-            pass  # not positive definite: the pivots below say how far
-    try:
-        lu = splu(
-            matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-    except RuntimeError as error:
-        raise SolveError("the tangent stiffness is singular") from error
-    return Factor(lu.solve, int(np.sum(lu.U.diagonal() < 0)))

@@ -31,6 +31,7 @@ nu                outward normal of an edge of the reference triangle
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -47,6 +48,31 @@ from kshell.shell.strain_tables import strain_tables
 from kshell.shell.surface import Surface
 
 Floats = NDArray[np.float64]
+
+
+def energy_density(
+    rest: Sequence[Floats], deformed: Sequence[Floats], membrane: Floats, coupling: Floats, bending: Floats
+) -> float:
+    """The Koiter energy per area at one point of a smooth surface, as the formula above says it.
+
+    Parameters
+    ----------
+    rest, deformed : five vectors (3,)
+        Derivatives of the position: X,1 X,2 X,11 X,22 X,12 and the same of x.
+    membrane, coupling, bending : (3, 3)
+        A, B, D in the frame whose first axis lies along X,1.
+    """
+
+    def forms(x_1: Floats, x_2: Floats, x_11: Floats, x_22: Floats, x_12: Floats) -> tuple[Floats, Floats]:
+        n = np.cross(x_1, x_2) / np.linalg.norm(np.cross(x_1, x_2))
+        first = np.array([[x_1 @ x_1, x_1 @ x_2], [x_1 @ x_2, x_2 @ x_2]])
+        return first, np.array([[n @ x_11, n @ x_12], [n @ x_12, n @ x_22]])
+
+    (big_a, big_b), (a, b) = forms(*rest), forms(*deformed)
+    to_frame = np.linalg.inv(np.linalg.cholesky(big_a))  # from components along X,a to the frame
+    strain, curvature = (to_frame @ t @ to_frame.T for t in ((a - big_a) / 2, -(b - big_b)))
+    e, kappa = (np.array([t[0, 0], t[1, 1], 2 * t[0, 1]]) for t in (strain, curvature))
+    return float(e @ membrane @ e / 2 + e @ coupling @ kappa + kappa @ bending @ kappa / 2)
 
 
 class State(NamedTuple):

@@ -7,6 +7,7 @@ triangle by triangle from strains do not suffer from it, so refinement with them
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.energy import StrainEnergy
+from kshell.shell.factor import factorise
 from kshell.shell.koiter import Koiter
 from kshell.shell.supports import Reduction
-from kshell.solve.backends import Singular, installed_backends
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +28,8 @@ FINISHED = 1e-20
 HOPELESS = 1e-4
 # stiffness of a motion, against the largest of the matrix, that is rounding
 FREE = 1e-14
+# energy of a motion formed from strains, against that of its unknowns one by one, that is rounding squared
+MECHANISM = 1e-25
 
 
 class LinearSolution(NamedTuple):
@@ -70,11 +73,10 @@ def solve_linear(
     if springs is not None:
         stiffness = stiffness + springs
     basis = reduction.basis
-    try:
-        solve, _ = installed_backends()[0].factorise(reduction.reduce(stiffness))
-    except Singular as error:
-        raise SolveError(f"the shell can move freely, or its stiffness is not positive ({error})") from error
+    # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
+    solve = factorise(reduction.reduce(stiffness)).solve
 
+    _require_stiff(koiter, stiffness, springs, basis, solve)
     x = reduction.given.copy()
     energy = 0.0
     corrections: list[float] = []
@@ -85,7 +87,7 @@ def solve_linear(
             forces += springs @ x
         residual = -(basis.T @ forces)
         step = solve(residual)
-        gain = float(residual @ step)
+        gain = abs(float(residual @ step))
         if not np.isfinite(gain):
             raise SolveError("the shell can move freely: the solution is not finite")
         energy = max(energy, gain)
@@ -105,6 +107,34 @@ def solve_linear(
             state=x,
         )
     return LinearSolution(x, forces, stress, tuple(corrections))
+
+
+def _require_stiff(
+    koiter: StrainEnergy,
+    stiffness: sp.spmatrix,
+    springs: sp.spmatrix | None,
+    basis: sp.spmatrix,
+    solve: Callable[[Floats], Floats],
+) -> None:
+    """Refuse a mechanism, whether the load drives it or not.
+
+    One step of inverse iteration finds the softest motion. Its energy is formed from its strains: that of a
+    mechanism is rounding squared, that of the thinnest shell is not.
+    """
+    if not basis.shape[1]:
+        return
+    diagonal = stiffness.diagonal()
+    start = np.random.default_rng(1).standard_normal(len(diagonal)) * np.sqrt(np.abs(diagonal))
+    motion = basis @ solve(basis.T @ start)
+    if not np.isfinite(motion).all():
+        raise SolveError("the shell can move freely: its stiffness is singular")
+    motion = motion / np.abs(motion).max()
+    strain = koiter.linear_strain(motion) + koiter.initial
+    energy = float(np.sum(strain * koiter.stress(strain)))
+    if springs is not None:
+        energy += float(motion @ (springs @ motion))
+    if energy <= MECHANISM * float(motion @ (diagonal * motion)):
+        raise SolveError(f"the shell can move freely{_where(koiter, motion)}: add supports", state=motion)
 
 
 def _where(energy: StrainEnergy, motion: Floats) -> str:

@@ -11,11 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
 from kshell.shell.newton import correct
 from kshell.shell.path import Path, follow
+
+Floats = NDArray[np.float64]
 
 # iterations of a step after which the next one is longer, and shorter
 EASY, HARD = 5, 12
@@ -23,8 +26,11 @@ SMALLEST_STEP = 1e-4
 MOST_ATTEMPTS = 300
 # a step that ends on an unstable branch is repeated with smaller steps down to this part of the first one
 DOUBTFUL_STEP = 1.0 / 16.0
-# steps along the path through a pair of limit points, the first as long as the last load step
+# growth of the displacement per load from one step to the next that tells a jump over a limit point
+JUMP = 10.0
+# steps along the path through limit points, and the length of the first against the deflection so far
 MOST_ARC_STEPS = 60
+FIRST_ARC = 0.1
 
 
 def load_path(
@@ -82,8 +88,12 @@ def load_path(
             continue
         if attempts > MOST_ATTEMPTS + steps:
             raise _stuck(path, f"{attempts} steps did not reach the factor {until:g}")
-        if found.negative > state.negative and abs(size) > DOUBTFUL_STEP * abs(span) / steps:
-            size *= 0.5  # the iteration may have jumped to another branch
+        jumped = len(path.states) > 1 and _rate(problem, state, found) > JUMP * _rate(
+            problem, path.states[-2], state
+        )
+        lost = found.negative > state.negative and abs(size) > DOUBTFUL_STEP * abs(span) / steps
+        if lost or (jumped and abs(size) >= SMALLEST_STEP * abs(span)):
+            size *= 0.5  # the iteration may have gone to another branch
             continue
         path.states.append(found)
         if record is not None:
@@ -95,6 +105,15 @@ def load_path(
     return path
 
 
+def _rate(problem: Problem, before: State, after: State) -> float:
+    """Root mean square displacement of the nodes per growth of the load."""
+    return _distance(problem, after.x - before.x) / abs(after.factor - before.factor)
+
+
+def _distance(problem: Problem, x: Floats) -> float:
+    return float(np.linalg.norm(x * np.sqrt(problem.energy.translation_weights())))
+
+
 def _cross(problem: Problem, path: Path, record: Callable[[State], None] | None) -> None:
     """Add the states through limit points to the path, up to one with a larger load that is as stable."""
     last = path.states[-1]
@@ -104,23 +123,24 @@ def _cross(problem: Problem, path: Path, record: Callable[[State], None] | None)
     def beyond(state: State) -> bool:
         return bool(state.factor > last.factor * (1 + 1e-6) and state.negative <= last.negative)
 
+    def ended(state: State) -> bool:
+        return beyond(state) or state.factor < -last.factor  # lost on the way back
+
     def note(state: State) -> None:
         passed.append(state)
         if record is not None:
             record(state)
 
-    moved = (last.x - path.states[-2].x) * np.sqrt(problem.energy.translation_weights())
+    length = max(_distance(problem, last.x - path.states[-2].x), FIRST_ARC * _distance(problem, last.x))
     try:
-        arc = follow(
-            problem, float(np.linalg.norm(moved)), beyond, last, most_steps=MOST_ARC_STEPS, record=note
-        )
+        arc = follow(problem, length, ended, last, most_steps=MOST_ARC_STEPS, record=note)
     except SolveError as error:
         path.states.extend(passed)
         raise _stuck(path, str(error)) from error
     path.states.extend(passed)
     path.critical.extend(arc.critical)
     if not beyond(path.states[-1]):
-        raise _stuck(path, f"{MOST_ARC_STEPS} steps along the path did not lead to a larger load")
+        raise _stuck(path, "the path behind the maximum does not lead to a larger load")
 
 
 def _stuck(path: Path, why: str) -> SolveError:

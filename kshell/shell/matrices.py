@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.shell.chart_surface import ChartSurface
 from kshell.shell.loads import Value, edge_table, evaluate, surface_points
 from kshell.shell.surface import Surface
 
@@ -91,3 +92,28 @@ def point_springs(surface: Surface, stiffness: ArrayLike, nodes: ArrayLike) -> s
     nodes = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
     np.add.at(diagonal, 3 * nodes[:, None] + np.arange(3), np.asarray(stiffness, dtype=float))
     return sp.diags(diagonal, format="csr")
+
+
+def chart_foundation(
+    surface: ChartSurface, stiffness: Value, directions: ArrayLike, triangles: NDArray | None = None
+) -> sp.csr_matrix:
+    """Springs spread over triangles of the Argyris discretisation; with unit directions, its mass matrix.
+
+    Parameters as in `foundation`.
+    """
+    chosen = np.arange(len(surface.scalar)) if triangles is None else triangles
+    points = np.moveaxis(surface.positions[:, chosen], 0, 2)
+    if callable(stiffness):
+        factor = evaluate(stiffness, points, 1)
+    else:
+        factor = np.broadcast_to(np.asarray(stiffness, dtype=float), points.shape[:-1])
+    reference = _weighted_products(
+        surface.tables[0], factor * surface.area_elements[chosen] * surface.weights
+    )
+    m = surface.transformation[chosen]
+    blocks = m.swapaxes(1, 2) @ reference @ m
+    dofs = surface.scalar[chosen]
+    n = dofs.shape[1]
+    i, j = np.repeat(dofs, n, axis=1).ravel(), np.tile(dofs, (1, n)).ravel()
+    scalar = sp.coo_matrix((blocks.ravel(), (i, j)), shape=(surface.scalars, surface.scalars)).tocsr()
+    return sp.kron(scalar, np.asarray(directions, dtype=float), format="csr")

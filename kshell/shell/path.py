@@ -15,13 +15,14 @@ W          weights of the translations, so that q . W q is the mean square displ
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
-from kshell.shell.equilibrium import Factor, Problem, State
+from kshell.shell.equilibrium import Problem, State
+from kshell.shell.factor import Factor
 
 Floats = NDArray[np.float64]
 
@@ -253,8 +254,3 @@ def follow(
         grow = float(np.clip(np.sqrt(GOOD / step.state.iterations), 0.5, 2.0))
         step_length = float(np.clip(step_length * grow, SHORTEST * length, LONGEST * length))
     return path
-
-
-def onto_branch(critical: Critical, size: float) -> State:
-    """A state displaced along the mode of a bifurcation by a largest translation `size`."""
-    return replace(critical.state, x=critical.state.x + size * critical.mode)

@@ -14,14 +14,23 @@ from kshell.solve.system import PlateSpace
 
 METHODS = ("auto", "direct", "multigrid", *(backend.key for backend in BACKENDS))
 
-# Unknowns above which multigrid, set up and solved once, takes less processor time than the back end.
+# Processor seconds of setup and solution, multigrid / CHOLMOD / PARDISO / SuperLU, one thread, clamped L-shaped
+# plate, unstructured mesh (python -m verification.benchmarks.solvers; first uses of libraries included):
+#
+#   unknowns      Morley                       Argyris
+#   1e4           0.14  0.04  1.05  0.06       0.20  0.10  0.72  0.15
+#   1e5           0.70  0.76  1.73  1.79       2.6   1.5   2.9   4.4
+#   3e5           1.5   1.7   3.5   -          6.6   5.7   7.7   -
+#   1e6, 8e5      4.2   5.9   -     -          16    25    -     -
+#
+# Unknowns from which multigrid is the faster one:
 MULTIGRID_FROM = {
     ("morley", "cholmod"): 200_000,
-    ("morley", "pardiso"): 100_000,
-    ("morley", "superlu"): 50_000,
-    ("argyris", "cholmod"): 200_000,
+    ("morley", "pardiso"): 60_000,
+    ("morley", "superlu"): 40_000,
+    ("argyris", "cholmod"): 400_000,
     ("argyris", "pardiso"): 200_000,
-    ("argyris", "superlu"): 50_000,
+    ("argyris", "superlu"): 60_000,
 }
 
 # Thin triangles: height to longest side, and their share above which multigrid needs too many cycles

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 
 from kshell.solve.auto import choose
 from kshell.solve.direct import Factorisation
-from kshell.solve.system import Floats, PlateSpace, Prepared, Progress, Solution
+from kshell.solve.system import Floats, PlateSpace, Prepared, Product, Progress, Solution
 
 
 def prepare(matrix: Any, space: PlateSpace | None = None, method: str = "auto") -> Prepared:
@@ -47,6 +47,7 @@ def solve_system(
     method: str = "auto",
     tolerance: float | None = None,
     progress: Progress | None = None,
+    product: Product | None = None,
 ) -> Solution:
     """Solve A x = b for one load (n,) or several (n, load). See `prepare` for the other parameters.
 
@@ -57,10 +58,12 @@ def solve_system(
         tenth of the discretisation error (Morley) or to 1e-9 (Argyris).
     progress : function, optional
         Called with the iteration and its estimated relative energy error.
+    product : function, optional
+        x -> A x more accurately than by the entries of the matrix, see `Prepared.solve`.
 
     Raises
     ------
     InputError, SolveError
         As `prepare` and `Prepared.solve`.
     """
-    return prepare(matrix, space, method).solve(rhs, tolerance, progress)
+    return prepare(matrix, space, method).solve(rhs, tolerance, progress, product)

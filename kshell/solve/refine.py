@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,10 @@ ROUNDING = 1e-15  # a relative correction below this changes nothing any more
 
 
 def refine(
-    matrix: Any, rhs: Floats, solve: Callable[[Floats], Floats], progress: Progress | None = None
+    product: Callable[[Floats], Floats],
+    rhs: Floats,
+    solve: Callable[[Floats], Floats],
+    progress: Progress | None = None,
 ) -> tuple[Floats, tuple[float, ...], int]:
     """Solve and refine.
 
@@ -23,7 +25,8 @@ def refine(
 
     Parameters
     ----------
-    matrix : (n, n) sparse matrix
+    product : function
+        (n, load) -> A x.
     rhs : (n, load) float array
 
     Returns
@@ -38,7 +41,7 @@ def refine(
     history: list[float] = []
     best = x
     for _ in range(STEPS + 1):
-        residual = rhs - matrix @ x
+        residual = rhs - product(x)
         correction = solve(residual)
         energy = np.abs(np.sum(rhs * x, axis=0))
         error = np.sqrt(np.abs(np.sum(residual * correction, axis=0)) / np.where(energy > 0, energy, 1.0))

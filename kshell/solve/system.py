@@ -25,6 +25,8 @@ Ints = NDArray[np.integer[Any]]
 
 Progress = Callable[[int, float], None]  # called with the iteration and its estimated relative energy error
 
+Product = Callable[[Floats], Floats]  # x -> A x
+
 
 @dataclass(frozen=True, eq=False)
 class PlateSpace:
@@ -144,9 +146,24 @@ class Prepared(ABC):
 
     @abstractmethod
     def solve(
-        self, rhs: Floats, tolerance: float | None = None, progress: Progress | None = None
+        self,
+        rhs: Floats,
+        tolerance: float | None = None,
+        progress: Progress | None = None,
+        product: Product | None = None,
     ) -> Solution:
         """Solve for one load (n,) or several (n, load).
+
+        Parameters
+        ----------
+        rhs : (n,) or (n, load) float array
+        tolerance : float, optional
+            Relative error in the energy norm.
+        progress : function, optional
+            Called with the iteration and its estimated relative energy error.
+        product : function, optional
+            x -> A x for (n,), more accurate than the entries of the matrix allow. The residuals of the
+            refinement are then formed with it, and the answer is that of the more accurate A.
 
         Raises
         ------

@@ -1,5 +1,7 @@
 """The elements against scikit-fem, against polynomials, and far from the origin."""
 
+from math import factorial
+
 import numpy as np
 import pytest
 import skfem
@@ -8,6 +10,7 @@ from hypothesis import strategies as st
 from skfem.helpers import dd, ddot, dot, grad, mul
 
 from kshell.elements import AffineTriangles, ElementArgyris, ElementMorley, matrices
+from kshell.elements.quadrature import triangle_rule
 from tests.plate.plates import rectangle
 
 ELEMENTS = [ElementMorley(), ElementArgyris()]
@@ -164,3 +167,14 @@ def test_argyris_is_continuously_differentiable_across_edges():
             sides.append([matrices.rows(element, one, xi, k, vector)[0, :, :, 0] for k in (0, 1)])
         for k in (0, 1):
             assert np.allclose(sides[0][k], sides[1][k], atol=1e-9)
+
+
+@pytest.mark.parametrize("degree", [5, 12, 19, 20, 23, 30])
+def test_triangle_rules_integrate_polynomials_of_their_degree(degree):
+    """x^i y^j over the reference triangle is i! j! / (i + j + 2)!."""
+    points, weights = triangle_rule(degree)
+    x, y = points.T
+    assert min(x.min(), y.min(), (1 - x - y).min()) > 0
+    for i in range(degree + 1):
+        exact = factorial(i) * factorial(degree - i) / factorial(degree + 2)
+        assert np.sum(weights * x**i * y ** (degree - i)) == pytest.approx(exact, rel=1e-12)

@@ -30,8 +30,10 @@ def quarter_ring(inner: float, along: int, across: int) -> Mesh:
 
 
 @pytest.mark.filterwarnings("ignore:the boundary turns")
-@pytest.mark.parametrize("along", [3, 4, 5, 8])
-def test_clamped_arc_that_meets_lines_of_symmetry(along):
+@pytest.mark.parametrize(
+    ("along", "deflection", "moment"), [(3, 4e-3, 3e-2), (4, 6e-4, 3e-2), (6, 6e-6, 5e-4), (12, 5e-8, 2e-5)]
+)
+def test_clamped_arc_that_meets_lines_of_symmetry(along, deflection, moment):
     """The edge moment survives at the corner although the rough tangent is not quite across the line."""
     scene = ks.Scene(
         mesh=quarter_ring(0.2, along, along),
@@ -43,5 +45,5 @@ def test_clamped_arc_that_meets_lines_of_symmetry(along):
     )
     result = solve(scene, element="argyris")
     # w = C1 + C2 r^2 + C3 ln r + C4 r^2 ln r + r^4 / 64, free at r = 0.2, clamped at r = 1
-    assert result.probes["inner"]["u"][2] == pytest.approx(0.01605127397524619, rel=2e-3)
-    assert result.probes["outer"]["M"][0] == pytest.approx(-0.121603968844506, rel=0.05)
+    assert result.probes["inner"]["u"][2] == pytest.approx(0.01605127397524619, rel=deflection)
+    assert result.probes["outer"]["M"][0] == pytest.approx(-0.121603968844506, rel=moment)

@@ -186,3 +186,15 @@ def test_a_plate_held_everywhere_does_not_move(element):
     result = solve(rectangle(2), [ks.Clamped("plate")], [ks.Pressure(1.0)], element)
     assert not result.fields["displacement"].any()
     assert result.reactions["plate"]["force"][2] == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_mesh_made_clockwise_is_turned_over(order):
+    up = disk(3, order)
+    down = ks.Mesh(up.points, up.triangles[:, [0, 2, 1]], up.midpoints, up.groups)
+    scene = ks.Scene(
+        mesh=down, thickness=1.0, material=STEEL, supports=[ks.Clamped("edge")], loads=[ks.Pressure(1.0)]
+    )
+    result = ks.solve(scene)
+    assert result.fields["displacement"][:, 2].max() == pytest.approx(1 / 64, rel=1e-4)
+    assert any("reversed" in reason for reason in result.model["reasons"])

@@ -11,6 +11,8 @@ from kshell.shell.argyris import ChartKoiter
 from kshell.shell.chart_supports import ChartSupports
 from kshell.shell.chart_surface import ChartSurface
 from kshell.shell.linear import solve_linear
+from kshell.shell.matrices import chart_foundation
+from kshell.shell.reactions import chart_resultant
 from kshell.shell.recovery import chart_resultants
 from kshell.shell.section import Section
 from tests.shell.shapes import rectangle
@@ -148,3 +150,26 @@ def test_prescribed_motion():
 def test_singular_charts_are_refused():
     with pytest.raises(InputError, match="singular"):
         ChartSurface(rectangle(2, 2, 0, 1, 0, 1), Chart.from_expressions("u", "u", "0*v"))
+
+
+def test_reactions_balance_the_loads():
+    model = ChartModel(rectangle(4, 4, 0, 10, 0, 8), sphere_chart(10.0), Section.isotropic(1e3, 0.3, 0.4))
+    model.supports.clamp(model.edges(0, 0.0))
+    end = model.edges(0, 10.0)
+    load = chart_loads.pressure(model.surface, lambda x: 1 + 0.1 * x[:, 0])
+    load += chart_loads.line_force(model.surface, [0.0, 1.0, 0.5], end)
+    load += chart_loads.edge_moment(model.surface, 2.0, end)
+    answer = model.solve(load)
+    reaction, turning = chart_resultant(model.surface, answer.forces)
+    force, moment = chart_resultant(model.surface, load)
+    assert np.abs(force).max() > 10
+    assert np.allclose(reaction, -force, atol=1e-7 * np.abs(force).max())
+    assert np.allclose(turning, -moment, atol=1e-4 * np.abs(moment).max())
+
+
+def test_mass_is_that_of_the_surface():
+    surface = ChartSurface(rectangle(3, 2, 0, np.pi, 0, 1), cylinder_chart(2.0))
+    x = np.zeros((surface.scalars, 3))
+    x[: 6 * len(surface.mesh.points) : 6, 0] = 1.0
+    mass = chart_foundation(surface, 2.0, np.eye(3))
+    assert x.ravel() @ mass @ x.ravel() == pytest.approx(2 * np.pi, rel=1e-12)

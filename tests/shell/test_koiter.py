@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kshell.shell.edges import edge_angles, turn_directors
-from kshell.shell.koiter import Koiter
+from kshell.shell.koiter import Koiter, energy_density
 from kshell.shell.section import Section
 from kshell.shell.surface import Surface
-from tests.shell.shapes import SHAPES, cylinder, patch
+from tests.shell.shapes import SHAPES, cylinder, patch, rectangle
 
 ORDERS = (1, 2, 3)
 STIFF = Section.isotropic(1.0, 0.3, 0.1)
@@ -120,3 +120,50 @@ def test_changes_of_curvature_keep_their_digits(order):
     x = np.random.default_rng(0).normal(size=surface.unknowns)
     small, smaller = (koiter.strain(1e-10 * s * x) / s for s in (1.0, 1e-2))
     assert np.abs(small - smaller).max() < 1e-8 * np.abs(small).max()
+
+
+def test_energy_tends_to_the_integral_of_its_density():
+    """A finite deformation of a curved patch, given by formulas, against Gauss integration of the plain formula."""
+    direction = np.array([1.0, 0.0, 0.0])
+    section = Section.from_stiffness(
+        LAMINATE.membrane[0], LAMINATE.bending[0], LAMINATE.coupling[0], 0.0, direction
+    )
+
+    def rest(u, v):
+        return np.array([np.sin(u), v, np.cos(u)]) + 0 * u
+
+    def deformed(u, v):
+        stretched = np.array([1.1 * np.sin(u) + 0.1 * v**2, v + 0.2 * u * v, np.cos(u) + 0.3 * u * v])
+        return np.array([[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]) @ stretched
+
+    def derivatives(f, u, v, h=1e-4):
+        one, two = (f(u + h, v) - f(u - h, v)) / (2 * h), (f(u, v + h) - f(u, v - h)) / (2 * h)
+        mixed = f(u + h, v + h) - f(u + h, v - h) - f(u - h, v + h) + f(u - h, v - h)
+        middle = 2 * f(u, v)
+        return [
+            one, two, (f(u + h, v) + f(u - h, v) - middle) / h**2,
+            (f(u, v + h) + f(u, v - h) - middle) / h**2, mixed / (4 * h**2),
+        ]  # fmt: skip
+
+    points, weights = np.polynomial.legendre.leggauss(6)
+    exact = sum(
+        0.25 * w * z * energy_density(
+            derivatives(rest, (1 + s) / 2, (1 + t) / 2), derivatives(deformed, (1 + s) / 2, (1 + t) / 2),
+            section.membrane[0], section.coupling[0], section.bending[0],
+        )
+        for s, w in zip(points, weights, strict=True) for t, z in zip(points, weights, strict=True)
+    )  # fmt: skip
+    error = []
+    for n in (2, 4):
+        surface = Surface(rectangle(n, n, 0, 1, 0, 1), 3, lambda q: rest(q[:, 0], q[:, 1]).T)
+        koiter = Koiter(surface, section)
+        x = np.zeros(surface.unknowns)
+        u = (deformed(*surface.flat_nodes[:, :2].T) - rest(*surface.flat_nodes[:, :2].T)).T
+        x[: surface.rotation_start] = u.ravel()
+        angle = edge_angles(surface, koiter.rest, u) * -np.repeat(surface.edge_sign, 3, axis=1)
+        place = surface.triangle_rotations.ravel()
+        mean = np.bincount(place, weights=angle.ravel()) / np.bincount(place)
+        x[surface.rotation_start :] = mean
+        error.append(abs(koiter.energy(x).value / exact - 1))
+    assert error[1] < 1e-3
+    assert error[1] < 0.3 * error[0]

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from kshell.errors import SolveError
-from kshell.shell import loads
+from kshell.geometry import Chart
+from kshell.shell import chart_loads, loads
+from kshell.shell.argyris import ChartKoiter
+from kshell.shell.chart_supports import ChartSupports
+from kshell.shell.chart_surface import ChartSurface
 from kshell.shell.equilibrium import Problem
 from kshell.shell.load_steps import load_path
 from kshell.shell.path import PathFollower, follow
@@ -184,3 +188,59 @@ def test_prescribed_motion_in_steps():
     free, problem = cantilever(2, 8, lambda s, e: loads.line_force(s, [0, 0, force], e))
     again = load_path(problem, steps=1).states[-1]
     assert again.x[3 * free.vertex(10.0, 0.0) + 2] == pytest.approx(6.0, rel=1e-3)
+
+
+def test_euler_column_buckles_onto_the_branch_of_the_elastica():
+    """A cantilever under an axial force: bifurcation at pi^2 EI / 4 L^2; at a tip angle of 60 degrees the elastica
+    carries 1.1517 times as much, with the tip at 0.5932 L aside (Timoshenko & Gere, table 2-4)."""
+    model, problem = cantilever(
+        2, 10, lambda s, e: loads.line_force(s, [-1e-5, 0, 0], e), section=Section.isotropic(12.0, 0.0, 0.1)
+    )
+    euler = np.pi**2 * 1e-3 / 400
+    path = follow(problem, 2e-5, lambda s: s.factor > 1.5 * euler / 1e-5)
+    (critical,) = path.critical
+    assert critical.kind == "bifurcation"
+    assert critical.state.factor * 1e-5 == pytest.approx(euler, rel=2e-2)
+    tip = 3 * model.vertex(10.0, 0.0)
+    assert abs(critical.mode[tip + 2]) == pytest.approx(1.0, abs=1e-6)
+
+    branch = follow(
+        problem, 0.3, lambda s: abs(s.x[tip + 2]) > 5.9, critical.state, along=critical.mode, most_steps=40
+    )
+    aside = [abs(s.x[tip + 2]) for s in branch.states]
+    load = [s.factor * 1e-5 / euler for s in branch.states]
+    assert np.interp(5.932, aside, load) == pytest.approx(1.1517, rel=1e-2)
+    assert branch.states[-1].negative == 0
+
+
+def test_von_karman_plate():
+    """Clamped square plate with immovable edges under pressure: w / h at q a^4 / (E h^4) = 95 (converged Koiter)."""
+    h = 0.002
+    model = Model(rectangle(8, 8, 0, 0.5, 0, 0.5), 2, Section.isotropic(1.0, 0.3, h))
+    for axis in (0, 1):
+        model.supports.clamp(model.edges(axis, 0.0))
+        model.supports.symmetry(model.edges(axis, 0.5), np.eye(3)[axis])
+    load = loads.pressure(model.surface, 95 * h**4)
+    state = load_path(Problem(model.koiter, model.reduction(), load), steps=1).states[-1]
+    assert state.x[3 * model.vertex(0.5, 0.5) + 2] / h == pytest.approx(0.9086056697, rel=1e-3)
+
+
+def test_chart_and_triangulated_surface_agree():
+    """A shallow cap under pressure, both discretisations at large deflections."""
+    section = Section.isotropic(1e6, 0.3, 0.02)
+    chart = Chart.from_expressions("u", "v", "0.1*(u*(1 - u) + v*(1 - v))")
+    flat = rectangle(4, 4, 0, 1, 0, 1)
+    surface = ChartSurface(flat, chart)
+    supports = ChartSupports(surface)
+    supports.simple(flat.boundary_edges)
+    problem = Problem(
+        ChartKoiter(surface, section), supports.reduction(), chart_loads.pressure(surface, -8.0)
+    )
+    a = load_path(problem, steps=2).states[-1].x[18 * 12 + 2]
+
+    model = Model(rectangle(8, 8, 0, 1, 0, 1), 3, section, lambda q: chart(q[:, 0], q[:, 1]))
+    model.supports.simple(model.mesh.boundary_edges)
+    problem = Problem(model.koiter, model.reduction(), loads.pressure(model.surface, -8.0))
+    b = load_path(problem, steps=2).states[-1].x[3 * model.vertex(0.5, 0.5) + 2]
+    assert abs(b) > 0.005
+    assert a == pytest.approx(b, rel=1e-3)

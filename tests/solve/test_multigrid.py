@@ -8,6 +8,7 @@ import pytest
 import kshell as ks
 from kshell.errors import SolveError
 from kshell.solve import prepare, solve_system
+from kshell.solve.multigrid import hierarchy
 from kshell.solve.multigrid import solver as multigrid
 
 from .plates import (
@@ -209,4 +210,15 @@ def test_many_holes_coarsen_all_the_same():
     problem = plate(mesh_of(*cut(points, triangles, ~hole)), "morley", "clamped")
     solution = run(problem)
     assert solution.iterations <= 45
+    assert energy_error(problem, solution.x) < 1e-7
+
+
+def test_aggregation_takes_over_where_coarsening_stalls(monkeypatch):
+    monkeypatch.setattr(hierarchy, "STALL", 0.0)
+    monkeypatch.setattr(hierarchy, "LARGEST_FACTOR", 10)
+    problem = plate(mesh_of(*square(24)), "morley", "mixed")
+    solution = run(problem)
+    assert solution.name.startswith("multigrid")
+    assert "coarsening stalls at 625 vertices" in solution.warnings[0]
+    assert "smoothed aggregation" in solution.warnings[1]
     assert energy_error(problem, solution.x) < 1e-7

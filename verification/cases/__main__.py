@@ -26,6 +26,8 @@ HEADER = (
 def line(one: Outcome) -> str:
     """One row of the table."""
     mark = "" if one.passed else "  FAILED" if one.allowed else "  nothing recorded"
+    if one.unknowns > one.most_unknowns > 0:
+        mark += f", {one.most_unknowns} unknowns were enough"
     return (
         f"{one.case:34}{one.run:18}{one.unknowns:8d}  {one.quantity:13}{one.value:20.12g}{one.reference:20.12g}"
         f"{one.error:10.1e}{one.allowed:10.1e}{mark}"
@@ -51,9 +53,9 @@ def record(cases: list[Case], outcomes: list[Outcome]) -> None:
     allowed = json.loads(path.read_text(encoding="utf-8"))
     by_id = {one.id: one for one in cases}
     for one in outcomes:
-        entry = allowed.setdefault(one.case, {}).setdefault(one.run, {})
+        entry = allowed.setdefault(one.case, {}).setdefault(one.run, {"unknowns": one.unknowns, "errors": {}})
         uncertainty = by_id[one.case].references[one.quantity].uncertainty
-        entry.setdefault(one.quantity, to_record(one, uncertainty))
+        entry["errors"].setdefault(one.quantity, to_record(one, uncertainty))
     path.write_text(json.dumps(allowed, indent=1) + "\n", encoding="utf-8")
 
 

@@ -2,7 +2,8 @@
 
 References are data: references.json has, for each case, the values, their source and their relative
 uncertainty; allowed.json has the largest relative error of each quantity on each mesh with each element,
-about twice what was measured when the case was made. The meshes are structured, so the errors repeat.
+about twice what was measured when the case was made, and the number of unknowns it took: a change that loses
+digits or needs more unknowns fails. The meshes are structured, so the errors repeat.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 import kshell as ks
 from verification.cases.quantities import Quantity
@@ -66,6 +69,8 @@ class Outcome:
     ----------
     error, allowed : float
         Relative to the reference; nothing is allowed where none is recorded.
+    most_unknowns : int
+        As many as were recorded.
     """
 
     case: str
@@ -76,11 +81,19 @@ class Outcome:
     reference: float
     error: float
     allowed: float
+    most_unknowns: int
 
     @property
     def passed(self) -> bool:
-        """Whether the error is no more than allowed (a NaN is)."""
-        return self.error <= self.allowed
+        """Whether the error is no more than allowed (a NaN is), with no more unknowns than recorded."""
+        return self.error <= self.allowed and self.unknowns <= self.most_unknowns
+
+    @property
+    def used(self) -> float:
+        """How much of the allowed error there is: above 1 it failed; infinite where nothing is recorded."""
+        if not np.isfinite(self.error) or self.allowed == 0.0:
+            return np.inf
+        return self.error / self.allowed
 
 
 @dataclass(frozen=True)
@@ -102,6 +115,8 @@ class Case:
         One for each quantity.
     allowed : dict of str to dict of str to float
         Largest relative error per run and quantity.
+    most_unknowns : dict of str to int
+        Per run.
     """
 
     id: str
@@ -112,11 +127,17 @@ class Case:
     source: str
     references: Mapping[str, Reference]
     allowed: Mapping[str, Mapping[str, float]]
+    most_unknowns: Mapping[str, int]
 
     @property
     def family(self) -> str:
         """The first word of the id."""
         return self.id.partition(".")[0]
+
+    @property
+    def quick_runs(self) -> tuple[Run, ...]:
+        """The first run of each element."""
+        return tuple({run.element: run for run in reversed(self.runs)}.values())
 
     def solve(self, run: Run) -> ks.Result:
         """The result on one mesh with one element."""
@@ -130,8 +151,9 @@ class Case:
                 value, reference = quantity.of(result), self.references[name].value
                 error = abs(value - reference) / abs(reference)
                 allowed = self.allowed.get(run.name, {}).get(name, 0.0)
+                most = self.most_unknowns.get(run.name, 0)
                 out.append(
-                    Outcome(self.id, run.name, name, result.unknowns, value, reference, error, allowed)
+                    Outcome(self.id, run.name, name, result.unknowns, value, reference, error, allowed, most)
                 )
         return out
 
@@ -156,8 +178,10 @@ def case(
         )
         for name in quantities
     }
-    allowed = _data("allowed.json").get(id, {})
-    return Case(id, description, build, quantities, runs, entry["source"], references, allowed)
+    recorded = _data("allowed.json").get(id, {})
+    allowed = {run: entry["errors"] for run, entry in recorded.items()}
+    most = {run: entry["unknowns"] for run, entry in recorded.items()}
+    return Case(id, description, build, quantities, runs, entry["source"], references, allowed, most)
 
 
 @cache

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from functools import cache
 
-from verification.cases import circular, polygons, rectangles, unstructured
+from verification.cases import circular, materials, polygons, rectangles, unstructured
 from verification.cases.case import Case
 
 
 @cache
 def all_cases() -> tuple[Case, ...]:
     """Every case."""
-    return (*rectangles.cases(), *polygons.cases(), *circular.cases(), *unstructured.cases())
+    families = (rectangles, polygons, circular, unstructured, materials)
+    return tuple(one for family in families for one in family.cases())
 
 
 def find(id: str) -> Case:

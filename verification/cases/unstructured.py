@@ -26,7 +26,9 @@ from verification.cases.quantities import (
     Reaction,
 )
 
-MESHES = Path(__file__).parents[2] / "meshes"
+# beside the package in the repository, inside it where kshell is installed
+PACKAGE = Path(__file__).parents[1]
+MESHES = next(folder for folder in (PACKAGE / "meshes", PACKAGE.parent / "meshes") if folder.is_dir())
 UNIFORM = (ks.Pressure(1.0),)
 SUMS: dict[str, Quantity] = {"compliance": Compliance(), "reaction": Reaction()}
 CENTRE, EDGE = (0.0, 0.0), (1.0, 0.0)

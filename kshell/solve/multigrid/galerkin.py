@@ -32,10 +32,10 @@ def galerkin(matrix: Any, prolongation: Any) -> Any:
     """
     import scipy.sparse as sp
 
-    product = None
+    product: Any = None
     for first in range(0, matrix.shape[0], CHUNK):
-        rows = slice(first, min(first + CHUNK, matrix.shape[0]))
-        part = block_rows(prolongation, rows).T @ (block_rows(matrix, rows) @ prolongation)
+        chunk = slice(first, min(first + CHUNK, matrix.shape[0]))
+        part = block_rows(prolongation, chunk).T @ (block_rows(matrix, chunk) @ prolongation)
         product = part if product is None else product + part
     rows = np.repeat(np.arange(len(product.indptr) - 1), np.diff(product.indptr))
     own = np.flatnonzero(rows == product.indices)

@@ -16,7 +16,7 @@ from kshell.solve.memory import fits
 from kshell.solve.multigrid.cycle import cycle, nested_iteration
 from kshell.solve.multigrid.hierarchy import build
 from kshell.solve.multigrid.pcg import Run, conjugate_gradients
-from kshell.solve.system import Floats, PlateSpace, Prepared, Progress, Solution
+from kshell.solve.system import Floats, PlateSpace, Prepared, Product, Progress, Solution
 
 # Without a tolerance Morley stops at this part of the estimated discretisation error. The distance to the
 # first coarse level is about twice that error: twice the mesh size, and the energy norm is of order one.
@@ -27,6 +27,7 @@ LOOSEST, TIGHTEST = 1e-3, 1e-8
 ARGYRIS_TOLERANCE = 1e-9
 # A stalled error below this is the limit of double precision on a fine mesh; it is reported, not refused.
 ROUNDING_LIMIT = 1e-6
+CORRECTIONS = 3
 
 
 class Multigrid(Prepared):
@@ -65,7 +66,11 @@ class Multigrid(Prepared):
         return cycle(self.hierarchy.solver, residual)
 
     def solve(
-        self, rhs: Floats, tolerance: float | None = None, progress: Progress | None = None
+        self,
+        rhs: Floats,
+        tolerance: float | None = None,
+        progress: Progress | None = None,
+        product: Product | None = None,
     ) -> Solution:
         """Solve for (n,) or (n, load). See `Prepared.solve`.
 
@@ -76,7 +81,7 @@ class Multigrid(Prepared):
         check_tolerance(tolerance)
         b = checked_rhs(rhs, self.matrix.shape[0])
         columns = b.reshape(len(b), -1)
-        runs = [self._run(np.ascontiguousarray(column), tolerance, progress) for column in columns.T]
+        runs = [self._run(np.ascontiguousarray(column), tolerance, progress, product) for column in columns.T]
         worst = max(runs, key=lambda run: run.history[-1])
         x = np.stack([run.x for run in runs], axis=1)
         reached = min(worst.history)
@@ -103,10 +108,12 @@ class Multigrid(Prepared):
         )
         self._unused = False
         if failed and reached > ROUNDING_LIMIT:
-            return self._rescue(solution, b, tolerance)
+            return self._rescue(solution, b, tolerance, product)
         return solution
 
-    def _rescue(self, solution: Solution, rhs: Floats, tolerance: float | None) -> Solution:
+    def _rescue(
+        self, solution: Solution, rhs: Floats, tolerance: float | None, product: Product | None
+    ) -> Solution:
         """A factorisation takes over where the iteration stalls, if it fits in memory."""
         words = (
             f"multigrid stalled after {solution.iterations} iterations at a relative energy error of "
@@ -121,18 +128,37 @@ class Multigrid(Prepared):
             self._factorisation = Factorisation(
                 self.matrix, backend, f"multigrid stalled; {backend.name} took over"
             )
-        rescued = self._factorisation.solve(rhs, tolerance)
+        rescued = self._factorisation.solve(rhs, tolerance, None, product)
         seconds = {name: rescued.seconds[name] + solution.seconds[name] for name in solution.seconds}
         warning = f"{words}: {backend.name} took over"
         return replace(rescued, seconds=seconds, warnings=(*self.warnings, warning))
 
-    def _run(self, rhs: Floats, tolerance: float | None, progress: Progress | None) -> Run:
+    def _run(
+        self, rhs: Floats, tolerance: float | None, progress: Progress | None, product: Product | None
+    ) -> Run:
         if not rhs.any():
             return Run(np.zeros_like(rhs), (0.0,), True, 0.0)
         start, energies = nested_iteration(self.hierarchy.solver, rhs)
         if tolerance is None:
             tolerance = self.discretisation_tolerance(energies)
-        return conjugate_gradients(self.matrix, rhs, self.precondition, tolerance, start, progress)
+        run = conjugate_gradients(self.matrix, rhs, self.precondition, tolerance, start, progress)
+        return run if product is None else self._refined(run, rhs, tolerance, product)
+
+    def _refined(self, run: Run, rhs: Floats, tolerance: float, product: Product) -> Run:
+        """Add corrections for residuals that are formed with the more accurate product."""
+        for _ in range(CORRECTIONS):
+            residual = rhs - product(run.x)
+            error = float(np.sqrt(abs(residual @ self.precondition(residual)) / abs(rhs @ run.x)))
+            history = (*run.history[:-1], error)
+            size = float(np.linalg.norm(residual) / np.linalg.norm(rhs))
+            run = Run(run.x, history, run.converged and error <= tolerance, size)
+            if error <= tolerance:
+                break
+            aim = max(0.3 * tolerance / error, 1e-8)
+            part = conjugate_gradients(self.matrix, residual, self.precondition, aim)
+            history += tuple(error * e for e in part.history[1:])
+            run = Run(run.x + part.x, history, part.converged, size)
+        return run
 
     def discretisation_tolerance(self, energies: list[float]) -> float:
         """A tenth of the relative discretisation error, as seen from the energies of the levels."""

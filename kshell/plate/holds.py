@@ -1,0 +1,187 @@
+"""Consistency terms on curved held edges, after Nitsche (Abh. Math. Sem. Univ. Hamburg 36 (1971) 9-15).
+
+On a curved edge the conditions at vertices and midpoints leave the deflection small, but not zero, between
+them, and the edge force V and edge moment M_nn do a little work on it. Taking that work out,
+
+    - int V(w) v + V(v) (w - g)  +  int M_nn(w) v_n + M_nn(v) w_n,        V = Q_n + d M_nt / ds,
+
+lets edge moments converge with the order of the element; without it they stay at order two. A penalty keeps the
+matrix positive definite on coarse meshes. On straight edges w and w_n vanish exactly and nothing is added.
+
+Symbols
+-------
+n, t, k    outward normal, tangent (n turned by 90 degrees), curvature vector dt/ds
+M, Q       moments -D (w_xx, w_yy, 2 w_xy), shear forces div M
+g          prescribed deflection
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import PlateElement, matrices
+from kshell.plate.domain import Domain
+from kshell.plate.forms import Bending
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+POINTS = 8
+# penalties, in units of D / h^3 and D / h; 1e3 leaves a disk with 16 edges indefinite, 1e6 costs digits
+VALUE_PENALTY = 1e4
+SLOPE_PENALTY = 1e3
+STEP = 1e-5  # of a triangle's size, for the change of a varying stiffness
+
+# third derivatives xxx, xxy, xyy, yyy to the derivatives of (w_xx, w_yy, 2 w_xy) along x and along y
+ALONG_X = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, 2, 0, 0]])
+ALONG_Y = np.array([[0, 1.0, 0, 0], [0, 0, 0, 1], [0, 0, 2, 0]])
+
+
+@dataclass
+class CurvedHold:
+    """The terms of one support on curved boundary edges, as a quadratic form.
+
+    Attributes
+    ----------
+    edges : (n,) int array
+    value : bool
+        Whether the deflection is held.
+    slope : bool
+        Whether the rotation about the edge is held.
+    """
+
+    domain: Domain
+    element: PlateElement
+    bending: Bending
+    edges: Ints
+    value: bool
+    slope: bool
+
+    everywhere: bool = field(default=False, init=False)
+
+    def __post_init__(self) -> None:
+        self.patch = self.domain.edge_patch(self.edges, POINTS)
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        yield np.arange(len(self.edges)), self.patch.triangles
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        rows = self._rows(positions, transform)
+        weight = self.patch.weights[positions][:, :, None]
+        stiff = self._penalty(positions)
+        total = np.zeros((len(positions), transform.shape[2], transform.shape[2]))
+        if self.value:
+            total -= _symmetric(rows.force, weight * rows.value)
+            total += _product(rows.value, weight * VALUE_PENALTY * stiff[0] * rows.value)
+        if self.slope:
+            total += _symmetric(rows.moment, weight * rows.slope)
+            total += _product(rows.slope, weight * SLOPE_PENALTY * stiff[1] * rows.slope)
+        return total
+
+    def load_vectors(self, positions: Ints, transform: Floats, g: Floats) -> Floats:
+        """(n, local) the right-hand side that goes with a prescribed deflection g (n, point)."""
+        rows = self._rows(positions, transform)
+        weight = (self.patch.weights[positions] * g)[:, :, None]
+        pull = VALUE_PENALTY * self._penalty(positions)[0] * rows.value - rows.force
+        return (weight * pull).sum(axis=1)
+
+    def _penalty(self, positions: Ints) -> tuple[Floats, Floats]:
+        """D / h^3 and D / h per edge, (n, 1, 1), h the smaller of length and height of the triangle."""
+        triangles = self.patch.triangles[positions]
+        mesh = self.domain.mesh
+        length = mesh.edge_lengths[self.edges[positions]]
+        h = np.minimum(length, 2 * mesh.areas[triangles] / length)
+        d = np.abs(self.bending.at(triangles, self.patch.xy[positions])).max(axis=(1, 2, 3))
+        return (d / h**3)[:, None, None], (d / h)[:, None, None]
+
+    def _rows(self, positions: Ints, transform: Floats) -> _Rows:
+        patch = self.patch
+        triangles, xi, xy = patch.triangles[positions], patch.xi[positions], patch.xy[positions]
+        affine = self.domain.affine(triangles)
+
+        def rows(order: int) -> Floats:
+            return matrices.rows(self.element, affine, xi, order, transform)
+
+        n, k = patch.normal[positions], patch.curvature[positions]
+        t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
+        n_s = np.stack([k[..., 1], -k[..., 0]], axis=-1)  # k turned by -90 degrees
+        kappa, third = rows(2), rows(3)
+        d = self.bending.at(triangles, xy)
+        moment = -d @ kappa
+        along_x, along_y = -d @ (ALONG_X @ third), -d @ (ALONG_Y @ third)
+        if not self.bending.section.constant_per_triangle:
+            size = STEP * np.sqrt(np.abs(affine.determinant))[:, None, None]
+            dx, dy = (self._stiffness_change(triangles, xy, size * axis) for axis in np.eye(2))
+            along_x, along_y = along_x - dx @ kappa, along_y - dy @ kappa
+        along_s = t[..., 0, None, None] * along_x + t[..., 1, None, None] * along_y
+        shear_x, shear_y = along_x[:, :, 0] + along_y[:, :, 2], along_x[:, :, 2] + along_y[:, :, 1]
+        twist_change = _apply(_pair(n, t), along_s) + _apply(_pair(n_s, t) + _pair(n, k), moment)
+        gradient = rows(1)
+        return _Rows(
+            value=rows(0)[:, :, 0],
+            slope=n[..., 0, None] * gradient[:, :, 0] + n[..., 1, None] * gradient[:, :, 1],
+            moment=_apply(_pair(n, n), moment),
+            force=n[..., 0, None] * shear_x + n[..., 1, None] * shear_y + twist_change,
+        )
+
+    def _stiffness_change(self, triangles: Ints, xy: Floats, step: Floats) -> Floats:
+        """Derivative of D along a step (n, 1, 2), by central differences."""
+        length = np.abs(step).max(axis=2)[..., None, None]
+        return (self.bending.at(triangles, xy + step) - self.bending.at(triangles, xy - step)) / (2 * length)
+
+
+@dataclass
+class HoldLoad:
+    """The right-hand side of a `CurvedHold` with a prescribed deflection; no load in statics."""
+
+    hold: CurvedHold
+    deflection: Callable[[Floats], Floats]
+
+    everywhere: bool = field(default=False, init=False)
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        yield from self.hold.blocks()
+
+    def vectors(self, positions: Ints, transform: Floats) -> Floats:
+        return self.hold.load_vectors(positions, transform, self.deflection(self.hold.patch.xy[positions]))
+
+    def resultant(self, origin: Floats) -> Floats:
+        return np.zeros(3)
+
+    def gross(self, size: float) -> float:
+        return 0.0
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """w, w_n, M_nn and V at the points of edges as rows (n, point, local)."""
+
+    value: Floats
+    slope: Floats
+    moment: Floats
+    force: Floats
+
+
+def _pair(a: Floats, b: Floats) -> Floats:
+    """(..., 3) coefficients of a . M b in M_xx, M_yy, M_xy."""
+    return np.stack(
+        [a[..., 0] * b[..., 0], a[..., 1] * b[..., 1], a[..., 0] * b[..., 1] + a[..., 1] * b[..., 0]], axis=-1
+    )
+
+
+def _apply(coefficients: Floats, rows: Floats) -> Floats:
+    """sum_c coefficients_c rows_c: (n, point, local)."""
+    return (coefficients[:, :, None] @ rows)[:, :, 0]
+
+
+def _product(left: Floats, right: Floats) -> Floats:
+    return np.swapaxes(left, 1, 2) @ right
+
+
+def _symmetric(left: Floats, right: Floats) -> Floats:
+    half = _product(left, right)
+    return half + np.swapaxes(half, 1, 2)

@@ -1,0 +1,134 @@
+"""Observed rates of convergence beside the expected ones, as tables.
+
+The compliance (twice the strain energy) converges like the square of the error in the energy norm. The rate
+is the slope between the coarsest and the finest mesh of a row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from verification.cases.case import Outcome, Run
+from verification.cases.catalogue import find
+
+CLOSE = 0.35  # how far an observed rate may lie from the expected one
+
+
+@dataclass(frozen=True)
+class Rate:
+    """A row: what converges how fast."""
+
+    case: str
+    element: str
+    quantity: str
+    refinements: tuple[int, int]
+    rate: float
+    order: int = 1
+
+    @property
+    def name(self) -> str:
+        """Such as argyris-4-16."""
+        coarse, fine = self.refinements
+        return f"{self.element}-{coarse}-{fine}" + ("" if self.order == 1 else f"-order{self.order}")
+
+    def measure(self) -> Measured:
+        """The errors on both meshes."""
+        case = find(self.case)
+        quantity, reference = case.quantities[self.quantity], case.references[self.quantity].value
+        unknowns, errors = [], []
+        for n in self.refinements:
+            result = case.solve(Run(self.element, n, self.order))
+            unknowns.append(result.unknowns)
+            errors.append(abs(quantity.of(result) / reference - 1))
+        return Measured(self, (unknowns[0], unknowns[1]), (errors[0], errors[1]))
+
+    def __str__(self) -> str:
+        return f"{self.case}-{self.element}-order{self.order}-{self.quantity}"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The relative errors of a row on its two meshes."""
+
+    row: Rate
+    unknowns: tuple[int, int]
+    errors: tuple[float, float]
+
+    @property
+    def rate(self) -> float:
+        """The observed one."""
+        coarse, fine = self.row.refinements
+        return float(np.log(self.errors[0] / self.errors[1]) / np.log(fine / coarse))
+
+    def compare(self) -> Outcome:
+        """The observed rate beside the expected one."""
+        row = self.row
+        return Outcome(
+            row.case,
+            row.name,
+            f"rate {row.quantity}",
+            self.unknowns[1],
+            self.rate,
+            row.rate,
+            abs(self.rate / row.rate - 1),
+            CLOSE / row.rate,
+            self.unknowns[1],
+        )
+
+
+SMOOTH = [
+    # quintics: energy 8 (energy norm 4), deflection 6, moments 4, Kirchhoff's edge force 4 at least
+    Rate("ssss.sinus.ba1", "argyris", "compliance", (4, 16), 8),
+    Rate("ssss.sinus.ba1", "argyris", "w_c", (4, 16), 6),
+    Rate("ssss.sinus.ba1", "argyris", "Mx_c", (8, 32), 4),
+    Rate("ssss.sinus.ba1", "argyris", "R", (8, 32), 4),
+    # uniform pressure: w has r^4 log r in the corners, felt by the corner force alone
+    Rate("ssss.uniform.ba1", "argyris", "w_c", (4, 16), 5.6),
+    Rate("ssss.uniform.ba1", "argyris", "V_x0", (8, 32), 4),
+    Rate("ssss.uniform.ba1", "argyris", "R", (8, 32), 2),
+    Rate("clamped.uniform.ba1", "argyris", "w_c", (4, 16), 6),
+    Rate("clamped.uniform.ba1", "argyris", "Mx_edge", (4, 16), 5),
+    Rate("levy.SFSC.ba1.5", "argyris", "w_c", (4, 16), 6.3),
+    Rate("levy.SFSF.ba1", "argyris", "Mx_y1", (4, 16), 4.8),
+    Rate("triangle.ss.right", "argyris", "w_c", (3, 12), 6),
+    # Morley: energy norm 1, everything else 2
+    Rate("ssss.sinus.ba1", "morley", "compliance", (8, 32), 2),
+    Rate("ssss.sinus.ba1", "morley", "w_c", (8, 32), 2),
+    Rate("ssss.sinus.ba1", "morley", "Mx_c", (8, 32), 2),
+    Rate("clamped.uniform.ba1", "morley", "w_c", (8, 32), 2),
+    Rate("levy.SSSF.ba1", "morley", "w_c", (8, 32), 2),
+]
+
+# On curved edges Argyris holds the true edge, with consistency terms between its nodes: order 6 and more, with
+# meshes of order 1 and 2 alike because the shape of the edge is rebuilt from the nodes.
+CURVED = [
+    *(
+        Rate(case, "argyris", quantity, refinements, rate, order)
+        for order in (1, 2)
+        for case, quantity, refinements, rate in (
+            ("disk.clamped.uniform", "w_c", (4, 8), 6),
+            ("disk.clamped.uniform", "compliance", (4, 8), 6),
+            ("disk.ss.uniform", "w_c", (4, 8), 6),
+            ("disk.ss.uniform", "compliance", (4, 8), 6),
+            ("disk.ss.uniform", "Mt_edge", (4, 8), 3.4),
+            ("annulus.CC.q.b0.5", "compliance", (3, 6), 8.2),
+            ("annulus.SS.q.b0.5", "w_mid", (2, 12), 6.3),
+            ("annulus.GS.q.b0.5", "w_in", (2, 8), 6.5),
+        )
+    ),
+    Rate("ellipse.clamped.2", "argyris", "w_c", (4, 8), 6.2, order=2),
+    Rate("disk.clamped.uniform", "morley", "w_c", (8, 32), 2),
+    Rate("disk.ss.uniform", "morley", "w_c", (8, 32), 2),
+    Rate("annulus.GS.q.b0.5", "morley", "w_in", (6, 24), 2),
+]
+
+# Where the solution is singular, layers of smaller triangles lower the error, not the rate.
+SINGULAR = [
+    Rate("ssss.point.ba1", "argyris", "w_c", (4, 16), 2),  # w = r^2 log r
+    Rate("lshape.clamped", "argyris", "compliance", (8, 32), 1.3),  # w = r^1.54: 1.09 in the limit
+    Rate("polygon.ss.6", "morley", "w_c", (8, 32), 1.55),  # w = r^1.5: 1 in the limit
+]
+
+RATES = (*SMOOTH, *CURVED, *SINGULAR)

@@ -1,0 +1,134 @@
+"""Charts of a verification run: errors against allowances, errors against unknowns, rates, times."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from verification.suite.run import Report
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from verification.cases import Outcome
+
+FLOOR = 1e-16  # errors below are drawn here
+MARKS = {"argyris": ("o", "#c2410c"), "morley": ("^", "#1d4ed8")}
+OTHER = ("s", "#047857")
+
+
+def charts(report: Report, foot: str) -> dict[str, Figure]:
+    """Figures by file name."""
+    out = {"margins.png": _margins(report), "errors.png": _errors(report), "times.png": _times(report)}
+    if any(block.measured for block in report.blocks):
+        out["rates.png"] = _rates(report)
+    for figure in out.values():
+        figure.supxlabel(foot, fontsize=5.5, color="0.35", wrap=True)
+    return out
+
+
+def element_of(one: Outcome) -> str:
+    """The first word of a run."""
+    return one.run.partition("-")[0]
+
+
+def _figure(height: float = 4.2) -> tuple[Figure, Axes]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.5, height), layout="constrained", dpi=110)
+    return figure, figure.add_subplot()
+
+
+def _values(report: Report) -> list[Outcome]:
+    """Compared values, without the rates."""
+    return [one for block in report.blocks if block.measured is None for one in block.outcomes]
+
+
+def _by_element(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
+    out: dict[str, list[Outcome]] = {}
+    for one in outcomes:
+        out.setdefault(element_of(one), []).append(one)
+    return out
+
+
+def _margins(report: Report) -> Figure:
+    """Error over allowed error of every value, by family; above 1 it failed."""
+    figure, axes = _figure()
+    values = _values(report)
+    families = list(dict.fromkeys(one.case.partition(".")[0] for one in values))
+    for element, some in _by_element(values).items():
+        marker, colour = MARKS.get(element, OTHER)
+        # spread sideways by golden-ratio steps, so that points do not hide each other
+        spread = 0.7 * (np.arange(len(some)) * 0.618 % 1 - 0.5)
+        x = np.array([families.index(one.case.partition(".")[0]) for one in some]) + spread
+        y = np.maximum([min(one.used, 1e3) for one in some], 1e-6)
+        axes.semilogy(x, y, marker, color=colour, markersize=3, alpha=0.5, label=element)
+    axes.axhline(1.0, color="black", linewidth=1)
+    axes.text(0.003, 1.15, "fails above", transform=axes.get_yaxis_transform(), fontsize=8)
+    axes.set_xticks(range(len(families)), families, rotation=20, fontsize=8)
+    axes.set(
+        ylabel="error / allowed error", title=f"{report.cases} cases, {len(values)} values: margin to failure"
+    )
+    axes.legend(loc="lower right", fontsize=8)
+    return figure
+
+
+def _errors(report: Report) -> Figure:
+    """Relative error of every value against unknowns."""
+    figure, axes = _figure()
+    for element, some in _by_element(_values(report)).items():
+        marker, colour = MARKS.get(element, OTHER)
+        errors = np.maximum([one.error if np.isfinite(one.error) else 1.0 for one in some], FLOOR)
+        axes.loglog(
+            [max(one.unknowns, 1) for one in some], errors, marker, color=colour, markersize=3.5, alpha=0.4,
+            label=f"{element}, median {np.median(errors):.0e}",
+        )  # fmt: skip
+    axes.set(
+        xlabel="unknowns",
+        ylabel="relative error",
+        title="Deflections, moments, reactions, energies: relative errors",
+    )
+    axes.grid(alpha=0.25)
+    axes.legend(fontsize=8)
+    return figure
+
+
+def _times(report: Report) -> Figure:
+    """Wall seconds of each solve against unknowns."""
+    figure, axes = _figure(3.6)
+    for element in MARKS:
+        some = [b for b in report.blocks if b.measured is None and element_of(b.outcomes[0]) == element]
+        marker, colour = MARKS[element]
+        axes.loglog(
+            [max(b.outcomes[0].unknowns, 1) for b in some], [b.seconds for b in some], marker, color=colour,
+            markersize=4, alpha=0.6, label=element,
+        )  # fmt: skip
+    axes.set(
+        xlabel="unknowns",
+        ylabel="seconds of wall time",
+        title=f"Each solve: mesh, assembly, solution, recovery; {report.seconds:.0f} s altogether",
+    )
+    axes.grid(alpha=0.25)
+    axes.legend(fontsize=8)
+    return figure
+
+
+def _rates(report: Report) -> Figure:
+    """Observed rates beside the expected ones."""
+    measured = [block.measured for block in report.blocks if block.measured is not None]
+    figure, axes = _figure(1.2 + 0.17 * len(measured))
+    y = np.arange(len(measured))[::-1]
+    expected = np.array([one.row.rate for one in measured])
+    axes.plot(expected, y, "|", color="black", markersize=11, label="expected")
+    for element, (marker, colour) in MARKS.items():
+        own = np.array([one.row.element == element for one in measured])
+        axes.plot(np.array([one.rate for one in measured])[own], y[own], marker, color=colour, label=element)
+    axes.set_yticks(
+        y, [f"{one.row.case} {one.row.quantity}, {one.row.name}" for one in measured], fontsize=6.5
+    )
+    axes.set(xlabel="rate of convergence in the mesh size", title="Observed rates beside the expected ones")
+    axes.grid(axis="x", alpha=0.25)
+    axes.legend(fontsize=8, loc="lower right")
+    return figure
