@@ -34,6 +34,7 @@ def strain_product(problem: PlateProblem) -> Callable[[Floats], Floats]:
     if springs:
         elastic = assemble(springs, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
     step = layout.per_vertex
+    points = domain.points
 
     def product(q: Floats) -> Floats:
         d = reduction @ q
@@ -41,7 +42,7 @@ def strain_product(problem: PlateProblem) -> Callable[[Floats], Floats]:
         for block in domain.blocks():
             dofs = layout.triangle_dofs(block)
             local = d[dofs]
-            slope = plane_slopes(space.points[mesh.triangles[block]], local[:, : 3 * step : step])
+            slope = plane_slopes(points[mesh.triangles[block]], local[:, : 3 * step : step])
             local[:, : 3 * step : step] = 0.0
             if step > 1:
                 for k in range(3):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from kshell.errors import SolveError
+from kshell.errors import InputError, SolveError
 from kshell.solve import prepare, solve_system
 from kshell.solve.multigrid import hierarchy
 from kshell.solve.multigrid import solver as multigrid
@@ -222,3 +222,27 @@ def test_aggregation_takes_over_where_coarsening_stalls(monkeypatch):
     assert "coarsening stalls at 625 vertices" in solution.warnings[0]
     assert "smoothed aggregation" in solution.warnings[1]
     assert energy_error(problem, solution.x) < 1e-7
+
+
+def test_bad_input_is_named():
+    problem, other = (plate(mesh_of(*square(n)), "morley", "clamped") for n in (12, 14))
+    a, b = problem.assembled.matrix, problem.assembled.load
+    with pytest.raises(InputError, match="same problem"):
+        solve_system(a, b, other.space, "multigrid")
+    broken = b.copy()
+    broken[7] = np.nan
+    with pytest.raises(InputError, match="NaN"):
+        solve_system(a, broken, problem.space, "multigrid")
+    with pytest.raises(InputError, match=r"PlateSpace.lengths has the shape"):
+        replace(problem.space, lengths=problem.space.lengths[1:])
+    with pytest.raises(InputError, match="no multigrid for the element"):
+        replace(problem.space, element="cubic")
+
+
+def test_progress_is_told_every_iteration():
+    problem = plate(mesh_of(*square(20)), "morley", "clamped")
+    told = []
+    prepared = prepare(problem.assembled.matrix, problem.space, "multigrid")
+    solution = prepared.solve(problem.assembled.load, 1e-6, lambda k, error: told.append((k, error)))
+    assert [k for k, _ in told] == list(range(solution.iterations + 1))
+    assert told[-1][1] == solution.energy_error <= 1e-6

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from kshell.errors import SolveError
+from kshell.errors import InputError, SolveError
 from kshell.solve.backends import installed_backends
 from kshell.solve.checks import check_tolerance, checked_matrix, checked_rhs
 from kshell.solve.direct import Factorisation
@@ -45,6 +45,8 @@ class Multigrid(Prepared):
 
     Raises
     ------
+    InputError
+        If matrix and space do not belong together.
     SolveError
         If the structure can move freely; `state` is a `FreeMotion`.
     """
@@ -52,6 +54,11 @@ class Multigrid(Prepared):
     def __init__(self, matrix: Any, space: PlateSpace, why: str, warnings: tuple[str, ...] = ()) -> None:
         begin = time.perf_counter()
         self.matrix = checked_matrix(matrix)
+        if space.reduction.shape[1] != self.matrix.shape[0]:
+            raise InputError(
+                f"the space has {space.reduction.shape[1]} unknowns, the matrix {self.matrix.shape[0]}: they must "
+                "come from the same problem"
+            )
         self.element = space.element
         self.hierarchy = build(self.matrix, space)
         self.name = "multigrid (PyAMG)"
