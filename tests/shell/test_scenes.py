@@ -436,3 +436,34 @@ def test_chart_needs_a_flat_mesh_and_places_are_in_space():
     assert a.probe("end")["x"][0] == pytest.approx(1.0)
     assert a.mesh.points[:, 2].max() == pytest.approx(1.0)
     assert np.linalg.norm(a.mesh.midpoints[:, :2], axis=1) == pytest.approx(1.0)
+
+
+CARBON = ks.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9)
+
+
+def test_material_axes_follow_a_direction_on_the_surface():
+    """A tube with fibres along its axis z or around it, pulled along z: the axis counts from the direction given."""
+    scene = ks.Scene.load(MESHES / "tube.toml", ["load.0.value=[0, 0, -1]"])
+    supports = [ks.Symmetry("cuts"), ks.Symmetry("far")]
+    scene = dataclasses.replace(scene, supports=supports, material=CARBON)
+    stretch = {}
+    for angle in (0.0, 90.0):
+        material = dataclasses.replace(CARBON, angle=angle)
+        result = ks.solve(dataclasses.replace(scene, material=material, direction=(0, 0, 1)))
+        assert not result.warnings
+        stretch[angle] = result.probe("end")["u"][2]
+    assert stretch[0.0] == pytest.approx(-1 / (0.01 * 140e9), rel=2e-3)
+    assert stretch[90.0] == pytest.approx(-1 / (0.01 * 10e9), rel=2e-3)
+    assert any("x is nearly normal" in words for words in ks.solve(scene).warnings)
+    drawn = ks.solve(dataclasses.replace(scene, direction=(0, 0, 1))).plot("mesh")
+    assert "material axis 1: 0 degrees" in [text.get_text() for text in drawn.legends[0].get_texts()]
+
+
+def test_view_has_curved_triangles():
+    from kshell.view import surface_grid
+
+    result = ks.solve(ks.Scene.load(MESHES / "scordelis_lo.toml"))
+    grid = surface_grid(result, 10.0)
+    assert grid.n_cells == len(result.mesh.triangles)
+    assert set(grid.celltypes) == {22}  # quadratic triangles
+    assert grid.area == pytest.approx(25 * np.radians(40) * 25, rel=0.05)
