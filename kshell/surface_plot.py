@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 LARGEST_SHOWN = 0.1  # of the size of the shell: the largest displacement as drawn
 VIEW = {"elev": 28.0, "azim": -58.0}
 SIGNS = 12  # about this many arrows of one load
-MANY_FACES = 16_000
+MANY_FACES = 5_000
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 
 

@@ -121,8 +121,8 @@ class ShellProblem:
             return []
         return [
             f"material axes: x is nearly normal to the shell near {place(corners[worst].mean(axis=0))}, so its "
-            "projection, from which the angles of the material count, turns fast there; give a direction that is never normal, "
-            "for example direction = [0, 0, 1]"
+            "projection, from which the angles of the material count, turns fast there; give a direction that is "
+            "never normal, for example direction = [0, 0, 1]"
         ]
 
 
