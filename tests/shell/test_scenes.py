@@ -414,6 +414,7 @@ CONTRARY = [
     ({"element": "morley", "model": "shell"}, "is for plates"),
     ({"element": "koiter", "model": "plate"}, "belongs to model"),
     ({"element": "argyris", "order": 2}, "one order only"),
+    ({"element": "argyris", "model": "shell"}, "on a chart only"),
     ({"order": 2, "model": "plate"}, "koiter"),
     ({"solver": "multigrid", "model": "shell"}, "multigrid"),
 ]
@@ -524,3 +525,19 @@ def test_orientation_is_repaired_and_said_and_one_sided_strips_are_refused():
     moebius = strip(1)
     with pytest.raises(ks.InputError, match="one-sided"):
         ks.Mesh.from_arrays(moebius.points, moebius.triangles)
+
+
+def test_plane_chart_with_argyris_is_the_argyris_plate():
+    scene = plate(loads=[ks.Pressure("1e3*(1 + x)"), ks.PointForce((0.25, 0.5, 0), (0, 0, 50.0))])
+    expected, found = ks.solve(scene), ks.solve(dataclasses.replace(scene, chart=ks.geometry.Plane()))
+    assert (expected.model["element"], found.model["element"]) == ("argyris", "argyris")
+    assert (expected.model["kind"], found.model["kind"]) == ("plate", "shell")
+    for name in ("p", "q"):
+        for key in ("u", "rotation", "M", "stress_bottom"):
+            size = np.abs(expected.probe(name)[key]).max()
+            assert found.probe(name)[key] == pytest.approx(expected.probe(name)[key], abs=1e-6 * size)
+    assert found.strain_energy == pytest.approx(expected.strain_energy, rel=1e-8)
+    # the plate weights its means at vertices by area
+    assert found.fields["moment"] == pytest.approx(
+        expected.fields["moment"], abs=0.2 * expected.fields["moment"].max()
+    )
