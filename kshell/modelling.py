@@ -66,6 +66,7 @@ def choose_model(scene: Scene, mesh: Mesh, options: SolveOptions) -> ModelChoice
     _require_sense(scene, options)
     kind, why = _kind(scene, mesh, options)
     if kind == "plate":
+        _require_plate(scene)
         return ModelChoice("plate", options.element, 0, (why,))
     if options.element == "argyris" and scene.chart is None:
         raise InputError(
@@ -101,6 +102,15 @@ def _require_sense(scene: Scene, options: SolveOptions) -> None:
         )
     if scene.chart is not None and (options.model == "plate" or options.element == "morley"):
         raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
+
+
+def _require_plate(scene: Scene) -> None:
+    """Refuse what a plate does not have, rather than leave it out."""
+    shells_only = [str(support) for support in scene.supports if support.kind == "hinge"]
+    shells_only += [f"offset = {scene.offset:g}"] if scene.offset != 0.0 else []
+    shells_only += ["direction"] if scene.direction is not None else []
+    if shells_only:
+        raise InputError(f'{shells_only[0]} is for shells: take model = "shell", or leave it out')
 
 
 def _kind(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[Literal["plate", "shell"], str]:

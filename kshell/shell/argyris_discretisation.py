@@ -15,14 +15,12 @@ from kshell.shell.argyris import ChartKoiter
 from kshell.shell.chart_recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart_supports import ChartSupports
 from kshell.shell.chart_surface import ChartLike, ChartSurface
-from kshell.shell.discretisation import OfPlace
+from kshell.shell.discretisation import USE_KOITER, OfPlace
 from kshell.shell.section import Section
 from kshell.shell.supports import Reduction
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
-
-USE_KOITER = 'take element = "koiter", which works on charts too'
 
 
 class ArgyrisDiscretisation:

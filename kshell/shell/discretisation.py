@@ -33,6 +33,7 @@ OfPlace = Callable[[Floats], Floats]
 # neighbours that meet at a smaller angle belong to one smooth patch; flat facets of a curved surface meet at some
 FOLD = np.radians(10.0)
 FACET = np.radians(35.0)
+USE_KOITER = 'take element = "koiter", which works on charts too'
 AXIS = {"x": 0, "y": 1, "z": 2}
 
 

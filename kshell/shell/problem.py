@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.errors import InputError
 from kshell.material import rotated
 from kshell.mesh import quadratic
 from kshell.mesh.mesh import Mesh
@@ -17,7 +18,7 @@ from kshell.modelling import ModelChoice
 from kshell.on_chart import lifted, mesh_in_space
 from kshell.scene import Scene
 from kshell.section import Section, shell_section
-from kshell.shell.discretisation import KoiterDiscretisation
+from kshell.shell.discretisation import USE_KOITER, KoiterDiscretisation
 from kshell.shell.held import require_held
 from kshell.shell.scene_loads import SceneLoads, apply_loads
 from kshell.shell.scene_supports import SceneSupports, apply_supports, hinge_edges
@@ -137,6 +138,8 @@ def _discretise(scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[n
     if choice.element == "argyris":
         from kshell.shell.argyris_discretisation import ArgyrisDiscretisation
 
+        if len(hinges):
+            raise InputError(f"support hinge: Argyris elements on a chart have no hinges: {USE_KOITER}")
         return ArgyrisDiscretisation(mesh, scene.chart)
     lift: Callable[[Floats], Floats] | None = None
     if scene.chart is not None:

@@ -15,6 +15,7 @@ from kshell.mesh.orient import WALKED_FORWARD
 from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
 from kshell.section import Section
+from kshell.shell.discretisation import USE_KOITER
 from kshell.shell.initial import curvature_strain, temperature_strain
 
 Floats = NDArray[np.float64]
@@ -180,6 +181,3 @@ class _Builder:
             raise InputError(
                 f"{load}: {self.discretisation.name} elements on a chart do not have it: {USE_KOITER}"
             )
-
-
-USE_KOITER = 'take element = "koiter", which works on charts too'

@@ -541,3 +541,42 @@ def test_plane_chart_with_argyris_is_the_argyris_plate():
     assert found.fields["moment"] == pytest.approx(
         expected.fields["moment"], abs=0.2 * expected.fields["moment"].max()
     )
+
+
+ONLY_SHELLS = {
+    "hinge": {"supports": [ks.Clamped("left"), ks.Hinge("right")]},
+    "offset": {"offset": 1e-3},
+    "direction": {"direction": (0, 1, 0)},
+}
+
+
+@pytest.mark.parametrize("changes", ONLY_SHELLS.values(), ids=ONLY_SHELLS)
+def test_what_plates_do_not_have_is_refused_not_ignored(changes):
+    with pytest.raises(ks.InputError, match="is for shells"):
+        ks.solve(plate(**changes), model="plate")
+
+
+ONLY_KOITER = {
+    "hinge": ({"supports": [ks.Clamped("end"), ks.Hinge("inside")]}, "no hinges"),
+    "spring": ({"supports": [ks.Clamped("end"), ks.Elastic("far", 1.0)]}, "no springs"),
+    "temperature": ({"loads": [ks.Temperature(mean=1.0, expansion=1e-5)]}, "do not have it"),
+    "point moment": ({"loads": [ks.PointMoment((1, 0, 0), (1, 0, 0))]}, "do not have it"),
+    "surface": ({"supports": [ks.Clamped("end"), ks.Fixed("tube", "z")]}, "not on surfaces"),
+    "varying motion": ({"supports": [ks.Clamped("end", ["x", 0, 0])]}, "constant prescribed"),
+}
+
+
+@pytest.mark.parametrize(("changes", "words"), ONLY_KOITER.values(), ids=ONLY_KOITER)
+def test_what_argyris_on_a_chart_does_not_have_is_named_and_koiter_has_it(changes, words):
+    scene = ks.Scene.load(MESHES / "tube.toml")
+    mesh = scene.read_mesh()
+    inside = mesh.edges[(np.abs(mesh.points[mesh.edges][:, :, 0] - np.pi / 6) < 1e-9).all(axis=1)]
+    groups = {name: mesh.edges[group.members] for name, group in mesh.groups.items() if group.dimension == 1}
+    groups |= {"inside": inside, "tube": mesh.triangles}
+    scene = dataclasses.replace(
+        scene, mesh=ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups), **changes
+    )
+    with pytest.raises(ks.InputError, match=words) as caught:
+        ks.solve(scene, element="argyris")
+    assert "koiter" in str(caught.value)
+    assert np.abs(ks.solve(scene, element="koiter").fields["displacement"]).max() > 0
