@@ -1,21 +1,16 @@
-"""Shells from scene files and gmsh meshes: the references of shipped scenes, and what every shell scene must do."""
+"""Shells from scene files and gmsh meshes: the references of shipped scenes, and answers known otherwise."""
 
-import builtins
 import dataclasses
 import json
-from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
 
 import kshell as ks
 from kshell.cli import run
 from tests.scene.fabricated import square_mesh
-from tests.shell.shapes import joined, panel, strip
-
-MESHES = Path(__file__).parents[2] / "meshes"
-STEEL = ks.Isotropic(E=210e9, nu=0.3, density=7850)
+from tests.shell.shapes import joined, panel
+from tests.shell.shell_scenes import MESHES, STEEL, cantilever_of_two, plate
 
 # scene, overrides, probe, component of u, reference, tolerance (relative)
 KNOWN = [
@@ -87,18 +82,6 @@ def test_every_order_on_the_command_line(tmp_path, capsys):
         assert json.loads(out.read_text())["probes"]["tip"]["u"][1] == pytest.approx(4.558, rel=error)
     assert run(["check", str(MESHES / "raasch_hook.toml")]) == 0
     assert "koiter" in capsys.readouterr().out
-
-
-def plate(**changes):
-    data = {
-        "mesh": square_mesh(8),
-        "thickness": 0.01,
-        "material": STEEL,
-        "supports": [ks.Clamped("left"), ks.SimplySupported(["right", "bottom"])],
-        "loads": [ks.Pressure("1e3*(1 + x)")],
-        "probes": {"p": (0.5, 0.5, 0.0), "q": (0.8, 0.3, 0.0)},
-    }
-    return ks.Scene(**{**data, **changes})
 
 
 LOADS = {
@@ -251,117 +234,12 @@ def test_tee_shares_the_load_between_three_sheets():
     assert result.probe("foot")["u"][0] == pytest.approx(0, abs=1e-6 * abs(result.probe("foot")["u"][2]))
 
 
-def cantilever_of_two(**changes):
-    """Two strips end to end along x, width 1, joined at x = 1."""
-    mesh = joined(panel((0, 0, 0), (1, 0, 0), (0, 1, 0)), panel((1, 0, 0), (1, 0, 0), (0, 1, 0)))
-    x = mesh.points[mesh.edges][:, :, 0]
-    groups = {
-        n: mesh.edges[(np.abs(x - v) < 1e-9).all(axis=1)] for n, v in (("a", 0.0), ("b", 1.0), ("c", 2.0))
-    }
-    data = {
-        "mesh": ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups),
-        "thickness": 0.01,
-        "material": ks.Isotropic(E=210e9, nu=0.0),
-        "supports": [ks.Clamped("a"), ks.SimplySupported("c"), ks.Hinge("b")],
-        "loads": [ks.LineForce("b", (0, 0, -10.0))],
-        "probes": {"joint": (1, 0.5, 0)},
-    }
-    return ks.Scene(**{**data, **changes})
-
-
 def test_hinge_releases_the_rotation():
     """Beyond the hinge the second strip only follows: the first is a cantilever with its tip force."""
     result = ks.solve(cantilever_of_two())
     stiffness = 210e9 * 0.01**3 / 12
     assert result.probe("joint")["u"][2] == pytest.approx(-10.0 / (3 * stiffness), rel=1e-6)
     assert result.reactions["c"]["force"] == pytest.approx([0, 0, 0], abs=1e-6)
-
-
-WRONG = {
-    "mechanism": (lambda: cantilever_of_two(supports=[ks.Clamped("a"), ks.Hinge("b")]), "can move freely"),
-    "nothing held": (lambda: cantilever_of_two(supports=[ks.Hinge("b")]), "is not held"),
-    "free to slide and turn": (
-        lambda: cantilever_of_two(
-            supports=[ks.Fixed("a", "xz"), ks.Fixed("c", "z")], solve={"element": "koiter"}
-        ),
-        "move along y",
-    ),
-    "hinge at the boundary": (
-        lambda: cantilever_of_two(supports=[ks.Clamped("a"), ks.Hinge("c")]),
-        "one triangle only",
-    ),
-    "clamped point": (
-        lambda: cantilever_of_two(supports=[ks.Clamped("a"), ks.Clamped((2, 1, 0)), ks.Hinge("b")]),
-        "no rotation of its own",
-    ),
-    "follower": (lambda: cantilever_of_two(loads=[ks.Pressure(1.0, follower=True)]), "follower"),
-}
-
-
-@pytest.mark.parametrize(("make", "words"), WRONG.values(), ids=WRONG)
-def test_what_is_wrong_is_named(make, words):
-    with pytest.raises(ks.KshellError, match=words):
-        ks.solve(make())
-
-
-def on_roof(supports, **changes):
-    return dataclasses.replace(ks.Scene.load(MESHES / "scordelis_lo.toml"), supports=supports, **changes)
-
-
-@pytest.mark.parametrize(
-    ("supports", "words"),
-    [
-        ([], ["not held", "x, y and z"]),
-        ([ks.Fixed("wall", "xz")], ["in 3 ways", "move along y", "turn about"]),
-        ([ks.SimplySupported("crown")], ["turn about the axis", "along y"]),
-        ([ks.Symmetry("free"), ks.Symmetry("wall")], ["rigid body"]),
-        ([ks.Symmetry(["roof"])], ["curve is needed"]),
-    ],
-)
-def test_rigid_motions_are_named(supports, words):
-    with pytest.raises(ks.InputError) as caught:
-        ks.solve(on_roof(supports))
-    for word in words:
-        assert word in str(caught.value)
-
-
-def test_symmetry_needs_a_plane_at_right_angles():
-    scene = ks.Scene.load(MESHES / "hemisphere_hole.toml")
-    with pytest.raises(ks.InputError, match=r"symmetry on 'hole'.*right angle"):
-        ks.solve(dataclasses.replace(scene, supports=[ks.Symmetry("hole")]))
-
-
-def test_thick_shells_flat_facets_and_crossings_are_warned_of():
-    hook = dataclasses.replace(ks.Scene.load(MESHES / "raasch_hook.toml"), thickness=8.0)
-    assert any(
-        "thickness 8 " in words and "radius of curvature 13.9" in words for words in ks.solve(hook).warnings
-    )
-
-    roof = ks.Scene.load(MESHES / "scordelis_lo.toml")
-    faceted = dataclasses.replace(roof, mesh=dataclasses.replace(roof.read_mesh(), midpoints=None))
-    result = ks.solve(faceted)
-    assert any(
-        "flat triangles" in words and "2.9 degrees" in words and "order 2" in words
-        for words in result.warnings
-    )
-    assert result.model["order"] == 2
-    assert not ks.solve(roof).warnings
-
-    a, b = panel((0, 0, 0), (1, 0, 0), (0, 1, 0), 3), panel((0.45, 0.2, -0.5), (0, 0.5, 0), (0, 0, 1), 3)
-    mesh = ks.Mesh(np.concatenate([a[0], b[0]]), np.concatenate([a[1], b[1] + len(a[0])]).astype(np.int32))
-    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0.45, 0.2, -0.5), (0.45, 0.7, -0.5), (0.45, 0.2, 0.5)]
-    scene = ks.Scene(
-        mesh=mesh, thickness=0.01, material=STEEL, supports=[ks.SimplySupported(c) for c in corners],
-        loads=[ks.Gravity((0, 0, -1.0))],
-    )  # fmt: skip
-    assert any("crosses itself" in words and "0.45" in words for words in ks.solve(scene).warnings)
-
-
-def test_pressure_over_a_branch_with_opposed_normals_is_warned_of():
-    scene = ks.Scene.load(MESHES / "box_girder.toml")
-    assert not ks.solve(scene).warnings
-    scene = dataclasses.replace(scene, loads=[ks.Pressure(1e3, "top")])
-    assert any("opposite sides" in words for words in ks.solve(scene).warnings)
 
 
 def test_symmetric_half_of_the_girder_is_half_of_the_whole():
@@ -371,103 +249,6 @@ def test_symmetric_half_of_the_girder_is_half_of_the_whole():
     assert result.reactions["middle"]["moment"][1] == pytest.approx(-40000.0, rel=1e-6)  # 20000 times 2
     assert result.cell_fields["thickness"].min() == 0.01
     assert result.cell_fields["thickness"].max() == 0.02
-
-
-def test_files_and_pictures(tmp_path, monkeypatch):
-    result = ks.solve(ks.Scene.load(MESHES / "raasch_hook.toml"))
-    result.save(tmp_path, plots=True)
-    names = {path.name for path in tmp_path.iterdir()}
-    assert {
-        "result.json",
-        "result.vtu",
-        "deflection.png",
-        "force_xx.png",
-        "mesh.png",
-        "von_mises_middle.png",
-    } <= names
-    file = meshio.read(tmp_path / "result.vtu")
-    assert file.cells[0].type == "triangle6"
-    tip = np.argmin(np.linalg.norm(file.points - result.probe("tip")["x"], axis=1))
-    assert file.point_data["displacement"][tip] == pytest.approx(result.probe("tip")["u"], rel=1e-9)
-    # mid-edge nodes move as the solution does, not as the mean of the ends
-    ends, middle = result.mesh.edges, result.edge_fields["displacement"]
-    mean = result.fields["displacement"][ends].mean(axis=1)
-    assert 1e-4 < np.abs(middle - mean).max() < 0.2
-    assert result.at(result.mesh.midpoints[:5])["u"] == pytest.approx(middle[:5], abs=1e-6)
-    axes = result.plot("deflection").axes[0]
-    assert (axes.get_xlabel(), axes.get_zlabel()) == ("x", "z")
-    with pytest.raises(ks.InputError, match="the pictures are"):
-        result.plot("shear")
-    real = builtins.__import__
-
-    def without_pyvista(name, *rest, **more):
-        if name == "pyvista":
-            raise ImportError("No module named 'pyvista'")
-        return real(name, *rest, **more)
-
-    monkeypatch.setattr(builtins, "__import__", without_pyvista)
-    with pytest.raises(ks.InputError, match=r"pip install kshell\[view\]"):
-        result.show()
-
-
-CONTRARY = [
-    ({"element": "morley", "model": "shell"}, "is for plates"),
-    ({"element": "koiter", "model": "plate"}, "belongs to model"),
-    ({"element": "argyris", "order": 2}, "one order only"),
-    ({"element": "argyris", "model": "shell"}, "on a chart only"),
-    ({"order": 2, "model": "plate"}, "koiter"),
-    ({"solver": "multigrid", "model": "shell"}, "multigrid"),
-]
-
-
-@pytest.mark.parametrize(("options", "words"), CONTRARY)
-def test_options_that_contradict_each_other(options, words):
-    with pytest.raises(ks.InputError, match=words):
-        ks.solve(plate(), **options)
-
-
-def test_chart_needs_a_flat_mesh_and_places_are_in_space():
-    scene = ks.Scene.load(MESHES / "tube.toml")
-    with pytest.raises(ks.InputError, match="parameter plane"):
-        ks.solve(dataclasses.replace(scene, mesh=MESHES / "scordelis_lo.msh"))
-    with pytest.raises(ks.InputError, match="chart"):
-        ks.solve(scene, model="plate")
-    supports = [*scene.supports, ks.Fixed((0, 1, 1), "z")]
-    a = ks.solve(dataclasses.replace(scene, supports=supports))
-    assert a.probe("end")["x"][0] == pytest.approx(1.0)
-    assert a.mesh.points[:, 2].max() == pytest.approx(1.0)
-    assert np.linalg.norm(a.mesh.midpoints[:, :2], axis=1) == pytest.approx(1.0)
-
-
-CARBON = ks.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9)
-
-
-def test_material_axes_follow_a_direction_on_the_surface():
-    """A tube with fibres along its axis z or around it, pulled along z: the axis counts from the direction given."""
-    scene = ks.Scene.load(MESHES / "tube.toml", ["load.0.value=[0, 0, -1]"])
-    supports = [ks.Symmetry("cuts"), ks.Symmetry("far")]
-    scene = dataclasses.replace(scene, supports=supports, material=CARBON)
-    stretch = {}
-    for angle in (0.0, 90.0):
-        material = dataclasses.replace(CARBON, angle=angle)
-        result = ks.solve(dataclasses.replace(scene, material=material, direction=(0, 0, 1)))
-        assert not result.warnings
-        stretch[angle] = result.probe("end")["u"][2]
-    assert stretch[0.0] == pytest.approx(-1 / (0.01 * 140e9), rel=2e-3)
-    assert stretch[90.0] == pytest.approx(-1 / (0.01 * 10e9), rel=2e-3)
-    assert any("x is nearly normal" in words for words in ks.solve(scene).warnings)
-    drawn = ks.solve(dataclasses.replace(scene, direction=(0, 0, 1))).plot("mesh")
-    assert "material axis 1: 0 degrees" in [text.get_text() for text in drawn.legends[0].get_texts()]
-
-
-def test_view_has_curved_triangles():
-    from kshell.view import surface_grid
-
-    result = ks.solve(ks.Scene.load(MESHES / "scordelis_lo.toml"))
-    grid = surface_grid(result, 10.0)
-    assert grid.n_cells == len(result.mesh.triangles)
-    assert set(grid.celltypes) == {22}  # quadratic triangles
-    assert grid.area == pytest.approx(25 * np.radians(40) * 25, rel=0.05)
 
 
 @pytest.mark.parametrize(
@@ -486,47 +267,6 @@ def test_prescribed_motion_of_all_supports_carries_the_shell_along(name, options
     assert not result.warnings
 
 
-def two_panels(**changes):
-    """Two squares apart from each other, each with a group for its left side."""
-    a, b = panel((0, 0, 0), (1, 0, 0), (0, 1, 0)), panel((3, 0, 0), (1, 0, 0), (0, 0, 1))
-    points, triangles = np.concatenate([a[0], b[0]]), np.concatenate([a[1], b[1] + len(a[0])])
-    plain = ks.Mesh(points, triangles.astype(np.int32))
-    x = points[plain.edges][:, :, 0]
-    groups = {n: plain.edges[(np.abs(x - v) < 1e-9).all(axis=1)] for n, v in (("one", 0.0), ("two", 3.0))}
-    data = {"mesh": ks.Mesh.from_arrays(points, triangles, groups), "thickness": 0.01, "material": STEEL}
-    return ks.Scene(**{**data, "loads": [ks.Pressure(1.0)], **changes})
-
-
-def test_loose_parts_are_named():
-    with pytest.raises(
-        ks.InputError, match=r"part of 8 triangles around \(3.5, 0, 0.5\), one of 2 parts.*not held"
-    ):
-        ks.solve(two_panels(supports=[ks.Clamped("one")]))
-    with pytest.raises(ks.InputError, match=r"one of 2 parts.*move along x; it can move along y"):
-        ks.solve(two_panels(supports=[ks.Clamped("one"), ks.Fixed("two", "zr")]))
-    assert ks.solve(two_panels(supports=[ks.Clamped(["one", "two"])])).balance < 1e-9
-
-
-def test_orientation_is_repaired_and_said_and_one_sided_strips_are_refused():
-    points, triangles = panel((0, 0, 0), (1, 0, 0.2), (0, 1, 0), 3)
-    mixed = triangles.copy()
-    mixed[::3] = mixed[::3, ::-1]
-    shells = [
-        ks.Scene(
-            mesh=ks.Mesh.from_arrays(points, t), thickness=0.01, material=STEEL,
-            supports=[ks.SimplySupported(tuple(p)) for p in points[[0, 3, -1]]],
-            loads=[ks.Pressure(1.0)], probes={"p": points[5]},
-        )
-        for t in (triangles, mixed)
-    ]  # fmt: skip
-    good, repaired = (ks.solve(scene) for scene in shells)
-    assert repaired.probe("p")["u"] == pytest.approx(good.probe("p")["u"], rel=1e-8)
-    assert any("6 of 18 triangles reversed" in words for words in repaired.model["reasons"])
-    moebius = strip(1)
-    with pytest.raises(ks.InputError, match="one-sided"):
-        ks.Mesh.from_arrays(moebius.points, moebius.triangles)
-
-
 def test_plane_chart_with_argyris_is_the_argyris_plate():
     scene = plate(loads=[ks.Pressure("1e3*(1 + x)"), ks.PointForce((0.25, 0.5, 0), (0, 0, 50.0))])
     expected, found = ks.solve(scene), ks.solve(dataclasses.replace(scene, chart=ks.geometry.Plane()))
@@ -541,42 +281,3 @@ def test_plane_chart_with_argyris_is_the_argyris_plate():
     assert found.fields["moment"] == pytest.approx(
         expected.fields["moment"], abs=0.2 * expected.fields["moment"].max()
     )
-
-
-ONLY_SHELLS = {
-    "hinge": {"supports": [ks.Clamped("left"), ks.Hinge("right")]},
-    "offset": {"offset": 1e-3},
-    "direction": {"direction": (0, 1, 0)},
-}
-
-
-@pytest.mark.parametrize("changes", ONLY_SHELLS.values(), ids=ONLY_SHELLS)
-def test_what_plates_do_not_have_is_refused_not_ignored(changes):
-    with pytest.raises(ks.InputError, match="is for shells"):
-        ks.solve(plate(**changes), model="plate")
-
-
-ONLY_KOITER = {
-    "hinge": ({"supports": [ks.Clamped("end"), ks.Hinge("inside")]}, "no hinges"),
-    "spring": ({"supports": [ks.Clamped("end"), ks.Elastic("far", 1.0)]}, "no springs"),
-    "temperature": ({"loads": [ks.Temperature(mean=1.0, expansion=1e-5)]}, "do not have it"),
-    "point moment": ({"loads": [ks.PointMoment((1, 0, 0), (1, 0, 0))]}, "do not have it"),
-    "surface": ({"supports": [ks.Clamped("end"), ks.Fixed("tube", "z")]}, "not on surfaces"),
-    "varying motion": ({"supports": [ks.Clamped("end", ["x", 0, 0])]}, "constant prescribed"),
-}
-
-
-@pytest.mark.parametrize(("changes", "words"), ONLY_KOITER.values(), ids=ONLY_KOITER)
-def test_what_argyris_on_a_chart_does_not_have_is_named_and_koiter_has_it(changes, words):
-    scene = ks.Scene.load(MESHES / "tube.toml")
-    mesh = scene.read_mesh()
-    inside = mesh.edges[(np.abs(mesh.points[mesh.edges][:, :, 0] - np.pi / 6) < 1e-9).all(axis=1)]
-    groups = {name: mesh.edges[group.members] for name, group in mesh.groups.items() if group.dimension == 1}
-    groups |= {"inside": inside, "tube": mesh.triangles}
-    scene = dataclasses.replace(
-        scene, mesh=ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups), **changes
-    )
-    with pytest.raises(ks.InputError, match=words) as caught:
-        ks.solve(scene, element="argyris")
-    assert "koiter" in str(caught.value)
-    assert np.abs(ks.solve(scene, element="koiter").fields["displacement"]).max() > 0
