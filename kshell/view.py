@@ -77,6 +77,8 @@ def show(result: Result, what: str, scale: float | None, file: str | None) -> An
     plotter.add_mesh(rest.extract_feature_edges(manifold_edges=False), color="grey", line_width=1)
     plotter.add_text(f"{result.title}\ndisplacements {scale:g} times as large", font_size=10)
     plotter.show_axes()
+    plotter.reset_camera()
+    plotter.camera.zoom(0.8)  # room for the colour bar
     if file is not None:
         plotter.screenshot(str(file))
     else:
