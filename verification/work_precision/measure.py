@@ -23,7 +23,6 @@ from verification.work_precision.problems import METHODS, PROBLEMS, Method, Prob
 
 REPEATS, PATIENCE = 3, 1.0  # three times, once where it takes longer
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-MOST_UNKNOWNS_HHJ = 1.2e5
 LETTERS = {"clamped": "C", "supported": "S"}
 
 
