@@ -65,7 +65,8 @@ def main() -> int:
                 + "".join(f"{row[f'{name} error']:10.1e}" for name in ("compliance", "w", "M")),
                 flush=True,
             )
-        peers = {row["version"] for row in rows if not row["version"].startswith("kshell")}
+        others = ("kshell", "no answer")
+        peers = {row["version"] for row in rows if not row["version"].startswith(others)}
         facts["peers"] = ", ".join(sorted(peers))
     for problem in PROBLEMS.values():
         for quantity, target, ours, s, peer, t in winners(rows, problem):

@@ -106,9 +106,13 @@ def _row(
     else:
         words = [problem.id, method.id, str(cells)]
         command = [sys.executable, "-m", "verification.work_precision", "--one", *words]
-    done = subprocess.run(command, env={**os.environ, **THREADS}, capture_output=True, text=True, check=True)
+    done = subprocess.run(command, env={**os.environ, **THREADS}, capture_output=True, text=True, check=False)
+    out: dict[str, Any] = {"problem": problem.id, "method": method.id, "cells": cells}
+    if done.returncode:
+        reason = (done.stderr.strip().splitlines() or ["killed"])[-1]
+        nothing = dict.fromkeys(("seconds", "compliance error", "w error", "M error", "compliance"), np.nan)
+        return {**out, "unknowns": 0, **nothing, "version": f"no answer: {reason}"}
     found = json.loads(done.stdout.strip().splitlines()[-1])
-    out = {"problem": problem.id, "method": method.id, "cells": cells}
     out |= {name: found[name] for name in ("unknowns", "seconds")}
     for name in ("compliance", "w", "M"):
         reference = problem.references.get(name)
