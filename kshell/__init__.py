@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from kshell.result import Result
     from kshell.scene import Scene
     from kshell.solving import solve
-    from kshell.supports import Clamped, Elastic, Fixed, Free, SimplySupported, Symmetry
+    from kshell.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
 
 __version__ = "0.1.0"
 
@@ -42,6 +42,7 @@ __all__ = [
     "Fixed",
     "Free",
     "Gravity",
+    "Hinge",
     "InitialCurvature",
     "InputError",
     "Isotropic",
@@ -71,7 +72,7 @@ _LAZY = {
     **dict.fromkeys(("Isotropic", "Orthotropic", "Anisotropic"), "kshell.material"),
     "Layer": "kshell.laminate",
     **dict.fromkeys(
-        ("Clamped", "SimplySupported", "Symmetry", "Free", "Fixed", "Elastic"), "kshell.supports"
+        ("Clamped", "SimplySupported", "Symmetry", "Free", "Hinge", "Fixed", "Elastic"), "kshell.supports"
     ),
     **dict.fromkeys(
         (

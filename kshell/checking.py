@@ -12,9 +12,12 @@ from kshell.errors import InputError
 from kshell.loads import Load, Temperature
 from kshell.mesh import Mesh, check, select
 from kshell.mesh.check import Quality, Summary
+from kshell.mesh.words import place
+from kshell.modelling import choose_model
+from kshell.on_chart import mesh_in_space
 from kshell.places import Place
 from kshell.scene import Scene
-from kshell.section import plate_section
+from kshell.section import shell_section
 from kshell.supports import Elastic, Support
 
 # below this angle a triangle spoils the accuracy around it
@@ -44,30 +47,32 @@ class Findings:
 
 
 def check_mesh(mesh: Mesh) -> Findings:
-    """Groups, sizes and quality of a mesh, and whether it can be a plate."""
+    """Groups, sizes and quality of a mesh."""
     found = Findings(check.summary(mesh), check.quality(mesh))
     found.warnings.extend(mesh.notes)
     worst = found.quality
     if worst.min_angle < SLIVER:
-        x, y, _ = worst.min_angle_at
         found.warnings.append(
-            f"the thinnest triangle, at ({x:.4g}, {y:.4g}), has an angle of {worst.min_angle:.2g} degrees: "
+            f"the thinnest triangle, at {place(worst.min_angle_at)}, has an angle of {worst.min_angle:.2g} degrees: "
             "accuracy suffers there; mesh with a more even size"
         )
-    _collect(found, lambda: check.plate_problems(mesh))
     return found
 
 
 def check_scene(scene: Scene, mesh: Mesh) -> Findings:
     """What would be modelled, and everything that would stop a solve."""
     found = check_mesh(mesh)
-    if found.problems:
+    space = mesh
+    try:
+        space = mesh_in_space(scene, mesh)
+    except InputError as error:
+        found.problems.append(str(error))
         return found
-    _collect(found, lambda: _check_section(scene, mesh))
+    _collect(found, lambda: _check_section(scene, space))
     for support in scene.supports:
-        _collect(found, partial(check_support, mesh, support))
+        _collect(found, partial(check_support, space, support))
     for load in scene.loads:
-        _collect(found, partial(check_load, mesh, load))
+        _collect(found, partial(check_load, space, load))
     if not found.problems:
         _collect(found, lambda: _check_model(scene, mesh, found))
     return found
@@ -82,7 +87,7 @@ def _collect(found: Findings, look: Callable[[], object]) -> None:
 
 
 def _check_section(scene: Scene, mesh: Mesh) -> None:
-    plate_section(mesh, scene.thickness, scene.material, scene.layers)
+    shell_section(mesh, scene.thickness, scene.material, scene.layers)
 
 
 def check_support(mesh: Mesh, support: Support) -> None:
@@ -115,14 +120,21 @@ def _vertices(mesh: Mesh, on: Place, what: str) -> np.ndarray:
 
 
 def _check_model(scene: Scene, mesh: Mesh, found: Findings) -> None:
-    """Set up the plate as a solve does, without assembling."""
-    from kshell.plate.problem import PlateProblem, choose_element
+    """Set up the model as a solve does, without assembling its matrix."""
+    choice = choose_model(scene, mesh, scene.solve)
+    if choice.kind == "plate":
+        from kshell.plate.problem import PlateProblem, choose_element
 
-    choice = choose_element(scene.solve, mesh)
-    problem = PlateProblem(scene, mesh, choice.element)
-    found.model = [
-        "plate: the mesh is flat, bending alone is computed",
-        choice.reason,
-        f"{problem.reduction.count} unknowns, small deflections",
-    ]
-    found.warnings.extend(problem.warnings())
+        check.plate_problems(mesh)
+        element = choose_element(scene.solve, mesh)
+        plate = PlateProblem(scene, mesh, element.element)
+        unknowns, words = plate.reduction.count, plate.warnings()
+        found.model = [*choice.reasons, element.reason]
+    else:
+        from kshell.shell.problem import ShellProblem
+
+        shell = ShellProblem(scene, mesh, choice)
+        unknowns, words = shell.reduction.basis.shape[1], shell.warnings()
+        found.model = list(choice.reasons)
+    found.model.append(f"{unknowns} unknowns, small deflections")
+    found.warnings.extend(words)

@@ -28,7 +28,7 @@ INTERRUPTED = 130
 
 app = typer.Typer(
     name="kshell",
-    help="Finite elements for thin plates: a gmsh mesh goes in, a checked answer comes out.",
+    help="Finite elements for thin plates and shells: a gmsh mesh goes in, a checked answer comes out.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -47,7 +47,7 @@ Overrides = Annotated[
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
 
-# on a mesh file the plate is described by options; on a scene file --set changes it
+# on a mesh file the plate or shell is described by options; on a scene file --set changes it
 DESCRIBING = (
     "thickness",
     "E",
@@ -113,11 +113,18 @@ def solve(
         list[str] | None, typer.Option(metavar="GROUP", help="Group on a plane of symmetry. Repeatable.")
     ] = None,
     pressure: Annotated[
-        str | None, typer.Option(help="Force per area along +z: number or expression in x, y, z.")
+        str | None,
+        typer.Option(
+            help="Force per area along the normal (+z on a plate): number or expression in x, y, z."
+        ),
     ] = None,
     mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
     mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,
-    element: Annotated[str | None, typer.Option(metavar="auto|morley|argyris", help="Which element.")] = None,
+    model: Annotated[str | None, typer.Option(metavar="auto|plate|shell", help="Which model.")] = None,
+    element: Annotated[
+        str | None, typer.Option(metavar="auto|morley|argyris|koiter", help="Which element.")
+    ] = None,
+    order: Annotated[str | None, typer.Option(metavar="auto|1|2|3", help="Of the koiter element.")] = None,
     solver: Annotated[
         str | None, typer.Option(metavar="auto|direct|multigrid", help="How the linear system is solved.")
     ] = None,
@@ -138,7 +145,8 @@ def solve(
     }
     begin = time.perf_counter()
     scene = _scene(source, plate, set_ or [])
-    options = {key: value for key, value in (("element", element), ("solver", solver)) if value is not None}
+    given = {"model": model, "element": element, "order": _number(order), "solver": solver}
+    options = {key: value for key, value in given.items() if value is not None}
     result = _solve(scene, options)
     written: list[str] = []
     folder = output or (Path(f"{source.stem}-result") if plot else None)
@@ -208,7 +216,7 @@ def _scene(source: Path, plate: dict[str, Any], overrides: Sequence[str]) -> Sce
         if given:
             option = next(iter(given)).replace("_", "-")
             raise InputError(
-                f"--{option} describes the plate of a mesh file, but {source} is a scene file: use --set, "
+                f"--{option} describes the plate or shell of a mesh file, but {source} is a scene file: use --set, "
                 "for example --set thickness=0.02"
             )
         return Scene.load(source, overrides)
@@ -249,7 +257,11 @@ def _number_or_text(text: str) -> float | str:
         return text
 
 
-def _solve(scene: Scene, options: dict[str, str]) -> Result:
+def _number(text: str | None) -> int | str | None:
+    return int(text) if text is not None and text.isdigit() else text
+
+
+def _solve(scene: Scene, options: dict[str, Any]) -> Result:
     import warnings
 
     from kshell.solving import solve as solve_scene

@@ -68,8 +68,9 @@ class Laminate:
     thickness : float
     mass : float
         Mass per area.
-    bottom, top : (3, 3) array
-        Plane-stress stiffness of the outermost layers.
+    bottom, middle, top : (3, 3) array
+        Plane-stress stiffness of the outermost layers, and of the layer at the middle of the stack (the upper
+        one where two layers meet there).
     """
 
     A: Floats
@@ -78,6 +79,7 @@ class Laminate:
     thickness: float
     mass: float
     bottom: Floats
+    middle: Floats
     top: Floats
 
     @property
@@ -97,7 +99,8 @@ def laminate(layers: Sequence[Layer]) -> Laminate:
     Q = np.stack([layer.plane_stress() for layer in layers])  # (layer, 3, 3)
     A, B, D = (np.tensordot(np.diff(z**k) / k, Q, axes=1) for k in (1, 2, 3))
     mass = sum(layer.material.density * layer.thickness for layer in layers)
-    return Laminate(A, B, D, float(total), float(mass), bottom=Q[0], top=Q[-1])
+    middle = Q[min(int(np.searchsorted(z, 1e-9 * total, side="right")) - 1, len(Q) - 1)]
+    return Laminate(A, B, D, float(total), float(mass), bottom=Q[0], middle=middle, top=Q[-1])
 
 
 def require_symmetric(stack: Laminate) -> None:

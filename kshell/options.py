@@ -29,10 +29,13 @@ class SolveOptions:
     ----------
     analysis : "static"
         Deflection under loads.
-    model : "auto" or "plate"
-        The Kirchhoff plate.
-    element : "auto", "morley" or "argyris"
-        Morley: quadratic, cheap. Argyris: of degree five, accurate where the solution is smooth.
+    model : "auto", "plate" or "shell"
+        The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
+    element : "auto", "morley", "argyris" or "koiter"
+        Morley: quadratic plates, cheap. Argyris: of degree five, plates and charts, accurate where the solution
+        is smooth. Koiter: shells on any surface, and flat ones.
+    order : "auto", 1, 2 or 3
+        Of the Koiter element.
     large_deflection : "auto" or False
         Only small deflections are computed.
     solver : "auto", "direct" or "multigrid"
@@ -40,8 +43,9 @@ class SolveOptions:
     """
 
     analysis: Literal["static"] = "static"
-    model: Literal["auto", "plate"] = "auto"
-    element: Literal["auto", "morley", "argyris"] = "auto"
+    model: Literal["auto", "plate", "shell"] = "auto"
+    element: Literal["auto", "morley", "argyris", "koiter"] = "auto"
+    order: Literal["auto", 1, 2, 3] = "auto"
     large_deflection: Annotated[Any, BeforeValidator(_linear)] = "auto"
     solver: Literal["auto", "direct", "multigrid"] = "auto"
 

@@ -1,4 +1,4 @@
-"""Pictures of results with matplotlib: fields over the plate seen from above."""
+"""Pictures of results with matplotlib: fields over a flat mesh seen from above, over a surface in 3D."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+SIZE = -1  # instead of a column: the length of the vector
+
 # picture: (field, column, label of the colour bar)
 FIELDS: dict[str, tuple[str, int, str]] = {
     "deflection": ("displacement", 2, "deflection w"),
@@ -31,26 +33,64 @@ FIELDS: dict[str, tuple[str, int, str]] = {
 }
 PICTURES = (*FIELDS, "mesh")
 
+# of shells, in addition or instead
+SHELL_FIELDS: dict[str, tuple[str, int, str]] = {
+    **FIELDS,
+    "deflection": ("displacement", SIZE, "length of the displacement"),
+    "force_xx": ("membrane_force", 0, "membrane force N_xx per length"),
+    "force_yy": ("membrane_force", 1, "membrane force N_yy per length"),
+    "force_xy": ("membrane_force", 2, "membrane force N_xy per length"),
+    "von_mises_top": ("von_mises_top", 0, "von Mises stress at the top (side of the normal)"),
+    "von_mises_middle": ("von_mises_middle", 0, "von Mises stress in the middle"),
+    "von_mises_bottom": ("von_mises_bottom", 0, "von Mises stress at the bottom"),
+}
+
+# heights closer together than this fraction of the size are a plan view
+FLAT = 1e-9
 # up to this many triangles their edges are drawn over a field
 FEW_TRIANGLES = 4000
 
 
+def pictures(result: Result) -> tuple[str, ...]:
+    """The names of the pictures that a result has."""
+    return PICTURES if result.model.get("kind") != "shell" else (*SHELL_FIELDS, "mesh")
+
+
 def plot(result: Result, what: str = "deflection") -> Figure:
     """A picture of a result. See `Result.plot`."""
-    if what not in PICTURES:
-        raise InputError(
-            f'no picture "{what}": {suggestion(what, PICTURES)}the pictures are {listing(PICTURES)}'
-        )
+    known = pictures(result)
+    if what not in known:
+        raise InputError(f'no picture "{what}": {suggestion(what, known)}the pictures are {listing(known)}')
+    flat = np.ptp(result.mesh.points[:, 2]) <= FLAT * result.mesh.size
     if what == "mesh":
         from kshell.scene_plot import plot_scene
+        from kshell.surface_plot import plot_surface_scene
 
-        return plot_scene(result.mesh, result.scene, result.title)
-    name, column, label = FIELDS[what]
+        return (plot_scene if flat else plot_surface_scene)(result.mesh, result.scene, result.title)
+    values, label = picture_values(result, what)
+    if flat:
+        return _field_figure(result, values, label)
+    from kshell.surface_plot import surface_figure
+
+    return surface_figure(result, values, label)
+
+
+def picture_values(result: Result, what: str) -> tuple[Floats, str]:
+    """Values at vertices and mid-edge nodes, and words for the colour bar."""
+    name, column, label = (SHELL_FIELDS if result.model.get("kind") == "shell" else FIELDS)[what]
     if name not in result.fields:
         raise InputError(f'no picture "{what}": the result has no field "{name}"')
     values = result.fields[name].reshape(len(result.mesh.points), -1)
-    values = at_nodes(result.mesh, name, values, result.fields)[:, column]
-    return _field_figure(result, values, label)
+    values = at_nodes(result.mesh, name, values, result.fields, result.edge_fields)
+    return (np.linalg.norm(values, axis=1) if column == SIZE else values[:, column]), label
+
+
+def colours(low: float, high: float) -> dict[str, Any]:
+    """Colour map and limits for values from low to high: white is zero where both signs occur."""
+    if low < 0.0 < high and min(-low, high) > 0.02 * max(-low, high):
+        most = max(-low, high)
+        return {"cmap": "RdBu_r", "vmin": -most, "vmax": most}
+    return {"cmap": "viridis_r" if high <= 0.0 or -low > high else "viridis", "vmin": low, "vmax": high}
 
 
 def save_picture(result: Result, what: str, path: Path) -> None:
@@ -77,14 +117,14 @@ def new_figure(mesh: Mesh, title: str) -> tuple[Figure, Axes]:
 
 
 def flat_triangles(mesh: Mesh) -> tuple[Floats, NDArray[np.int32]]:
-    """Nodes (n, 2) and straight triangles for drawing; an order-2 triangle becomes four."""
+    """Nodes (n, 3) and straight triangles for drawing; an order-2 triangle becomes four."""
     if mesh.midpoints is None:
-        return mesh.points[:, :2], mesh.triangles
+        return mesh.points, mesh.triangles
     a, b, c = mesh.triangles.T
     ab, bc, ac = (mesh.triangle_edges + len(mesh.points)).T
     parts = [(a, ab, ac), (ab, b, bc), (ac, bc, c), (ab, bc, ac)]
     triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
-    return np.concatenate([mesh.points, mesh.midpoints])[:, :2], triangles
+    return np.concatenate([mesh.points, mesh.midpoints]), triangles
 
 
 def edge_lines(mesh: Mesh, edges: NDArray[np.integer]) -> Floats:
@@ -103,7 +143,6 @@ def draw_edges(axes: Axes, mesh: Mesh, edges: NDArray[np.integer], **style: Any)
 
 
 def _field_figure(result: Result, values: Floats, label: str) -> Figure:
-    from matplotlib.ticker import ScalarFormatter
     from matplotlib.tri import Triangulation
 
     mesh = result.mesh
@@ -111,13 +150,7 @@ def _field_figure(result: Result, values: Floats, label: str) -> Figure:
     points, triangles = flat_triangles(mesh)
     triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
     low, high = float(values.min()), float(values.max())
-    style: dict[str, Any] = {"cmap": "viridis", "vmin": low, "vmax": high}
-    if low < 0.0 < high and min(-low, high) > 0.02 * max(-low, high):
-        most = max(-low, high)  # both signs: white is zero
-        style = {"cmap": "RdBu_r", "vmin": -most, "vmax": most}
-    elif high <= 0.0 or -low > high:
-        style["cmap"] = "viridis_r"
-    image = axes.tripcolor(triangulation, values, shading="gouraud", rasterized=True, **style)
+    image = axes.tripcolor(triangulation, values, shading="gouraud", rasterized=True, **colours(low, high))
     if high > low:
         lines = axes.tricontour(triangulation, values, levels=8, colors="black", linewidths=0.4)
         lines.set_alpha(0.5)
@@ -125,12 +158,18 @@ def _field_figure(result: Result, values: Floats, label: str) -> Figure:
         draw_edges(axes, mesh, np.arange(len(mesh.edges)), colors="black", linewidths=0.2, alpha=0.25)
     draw_edges(axes, mesh, mesh.boundary_edges, colors="black", linewidths=0.9)
     axes.autoscale_view()
-    numbers = ScalarFormatter(useMathText=True)
-    numbers.set_powerlimits((-3, 4))
     wide = np.ptp(mesh.points[:, 0]) > 1.3 * np.ptp(mesh.points[:, 1])
     where = "bottom" if wide else "right"
     if wide:
         figure.set_figheight(figure.get_figheight() + 1.0)
-    bar = figure.colorbar(image, ax=axes, format=numbers, location=where, aspect=40 if wide else 30)
-    bar.set_label(f"{label}\nfrom {low:.4g} to {high:.4g}")
+    colour_bar(figure, axes, image, f"{label}\nfrom {low:.4g} to {high:.4g}", where, 40 if wide else 30)
     return figure
+
+
+def colour_bar(figure: Figure, axes: Axes, image: Any, label: str, where: str, aspect: float) -> None:
+    """Add a colour bar with short numbers."""
+    from matplotlib.ticker import ScalarFormatter
+
+    numbers = ScalarFormatter(useMathText=True)
+    numbers.set_powerlimits((-3, 4))
+    figure.colorbar(image, ax=axes, format=numbers, location=where, aspect=aspect).set_label(label)

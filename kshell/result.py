@@ -4,6 +4,9 @@ Fields at vertices, one row per vertex (names in `kshell.vtu` describe the colum
 
 displacement (3), rotation (3), moment (xx yy xy), shear (x y), stress_top and stress_bottom (xx yy xy),
 von_mises_top, von_mises_bottom, principal_moments (larger, smaller)
+
+Shells have no shear field, and besides membrane_force (xx yy xy), stress_middle, von_mises_middle,
+principal_forces, and the frame of all these tensors: frame_axis_1 (3) and normal (3).
 """
 
 from __future__ import annotations
@@ -60,6 +63,10 @@ class Result:
     extremes : dict of str to {"value", "at"}
         Found from the fields where it is not given.
     cell_fields : dict of str to (triangle,) or (triangle, k) array
+    edge_fields : dict of str to (edge, k) array
+        Values at the middle of edges, for pictures and files of curved triangles.
+    energies : dict of str to float
+        Parts of the strain energy of a shell: membrane, bending, springs.
     evaluate : callable, optional
         Points (n, 3) to a dict of arrays: values anywhere on the surface.
     error : dict
@@ -85,6 +92,8 @@ class Result:
     external_work: float = 0.0
     extremes: dict[str, dict[str, Any]] = field(default_factory=dict)
     cell_fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    edge_fields: dict[str, Floats] = field(default_factory=dict)
+    energies: dict[str, float] = field(default_factory=dict)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
     error: dict[str, Any] = field(default_factory=no_error_estimate)
     solver: dict[str, Any] = field(default_factory=dict)
@@ -149,6 +158,7 @@ class Result:
             "probes": {name: {**values, "frame": self.frame} for name, values in self.probes.items()},
             "extremes": self.extremes,
             "strain_energy": self.strain_energy,
+            **({"energies": self.energies} if self.energies else {}),
             "external_work": self.external_work,
             "reactions": self.reactions,
             "balance": self.balance,
@@ -188,6 +198,9 @@ class Result:
     def plot(self, what: str = "deflection") -> Figure:
         """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
 
+        Of shells also "force_xx", "force_yy", "force_xy", "von_mises_middle" and "von_mises_bottom", drawn on the
+        deformed surface.
+
         Returns
         -------
         matplotlib Figure, to be saved with `savefig`.
@@ -200,6 +213,31 @@ class Result:
         from kshell.plot import plot
 
         return plot(self, what)
+
+    def show(self, what: str = "deflection", scale: float | None = None, file: str | None = None) -> Any:
+        """The deformed surface in 3D with PyVista, to be turned with the mouse.
+
+        Parameters
+        ----------
+        what : str
+            As for `plot`, except "mesh".
+        scale : float, optional
+            By which displacements are enlarged; absent: so that the largest is a tenth of the size.
+        file : path, optional
+            Save a picture there instead of opening a window.
+
+        Returns
+        -------
+        pyvista.Plotter
+
+        Raises
+        ------
+        InputError
+            If PyVista is not installed: it is the extra "view" of kshell.
+        """
+        from kshell.view import show
+
+        return show(self, what, scale, file)
 
 
 def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> dict[str, dict[str, Any]]:

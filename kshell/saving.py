@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kshell.errors import InputError
-from kshell.plot import PICTURES, save_picture
+from kshell.plot import pictures, save_picture
 from kshell.vtu import write_vtu
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def save(result: Result, folder: str | os.PathLike[str], plots: bool = False) ->
         "result.vtu": lambda path: write_vtu(path, result),
     }
     if plots:
-        for what in PICTURES:
+        for what in pictures(result):
             writers[f"{what}.png"] = lambda path, what=what: save_picture(result, what, path)  # type: ignore[misc]
     return write_together(Path(folder), writers)
 

@@ -50,6 +50,31 @@ def _mesh(value: Any) -> Any:
     return Path(value) if isinstance(value, str | os.PathLike) else value
 
 
+def _chart(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        from kshell.geometry import ready_chart
+
+        constants = {str(key): part for key, part in value.items() if key != "kind"}
+        if "kind" not in value:
+            raise ValueError('must have a kind, for example {"kind": "cylinder", "R": 25.0}')
+        try:
+            return ready_chart(value["kind"], **constants)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+    if value is not None and not callable(getattr(value, "derivatives", None)):
+        raise ValueError("must be a chart of kshell.geometry such as ks.geometry.Cylinder(R=25)")
+    return value
+
+
+def _direction(value: Any) -> Any:
+    if value is None:
+        return None
+    direction = as_point(value)
+    if not any(direction):
+        raise ValueError("must not be zero")
+    return direction
+
+
 def _probes(value: Any) -> Any:
     if not isinstance(value, Mapping):
         raise ValueError("must be a dict of name to point (x, y, z)")
@@ -64,7 +89,7 @@ def _probes(value: Any) -> Any:
 
 @described("scene")
 class Scene:
-    """A plate with everything that holds and loads it.
+    """A plate or shell with everything that holds and loads it.
 
     Attributes
     ----------
@@ -75,7 +100,14 @@ class Scene:
     material : Isotropic, Orthotropic or Anisotropic
         Not together with `layers`.
     layers : sequence of Layer
-        Bottom to top.
+        Bottom to top; the top is on the side of the normal.
+    chart : kshell.geometry.Chart or dict with its kind and constants, optional
+        The mesh lies in the plane z = 0 of its parameters u, v. Loads, points and probes are in x, y, z as usual.
+    offset : float
+        Height of the middle of the material above the mesh, along the normal; shells only.
+    direction : (x, y, z), optional
+        From its projection on the shell the angle of the material axes counts; without it from that of x (of y
+        where x is normal). Shells only.
     supports : sequence of Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic
     loads : sequence of Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment,
         Temperature, InitialCurvature
@@ -102,6 +134,9 @@ class Scene:
     loads: Any = ()
     probes: Annotated[dict[str, Point], BeforeValidator(_probes)] = field(default_factory=dict)
     layers: Any = None
+    chart: Annotated[Any, BeforeValidator(_chart)] = None
+    offset: Number = 0.0
+    direction: Annotated[Any, BeforeValidator(_direction)] = None
     mesh_size: Number | None = None
     mesh_order: Literal[1, 2] | None = None
     title: str = ""

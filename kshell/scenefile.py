@@ -16,13 +16,13 @@ from kshell.naming import listing, suggestion
 from kshell.options import SolveOptions
 from kshell.places import as_point
 from kshell.scene import Scene
-from kshell.supports import Clamped, Elastic, Fixed, Free, SimplySupported, Symmetry
+from kshell.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
 from kshell.validation import unknown_key
 
 # key of the file: argument of Scene
-SIMPLE_KEYS = ("title", "mesh_size", "mesh_order", "thickness")
-KEYS = ["title", "mesh", *SIMPLE_KEYS[1:], "layer", "material", "support", "load", "probe", "solve"]
-NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free)}
+SIMPLE_KEYS = ("title", "mesh_size", "mesh_order", "thickness", "offset", "direction")
+KEYS = ["title", "mesh", *SIMPLE_KEYS[1:], "layer", "material", "chart", "support", "load", "probe", "solve"]
+NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge)}
 
 
 def load_scene(path: Path, overrides: Sequence[str] = ()) -> Scene:
@@ -116,6 +116,9 @@ def scene_from_dict(data: Mapping[str, Any], folder: Path, source: str) -> Scene
             arguments["material"] = material_from_dict(_table(data["material"]))
     if "layer" in data:
         arguments["layers"] = _each(data["layer"], "layer", source, layer_from_dict)
+    if "chart" in data:
+        with _inside(f"{source}, [chart]"):
+            arguments["chart"] = chart_from_dict(_table(data["chart"]))
     arguments["supports"] = _each(data.get("support", []), "support", source, support_from_dict)
     arguments["loads"] = _each(data.get("load", []), "load", source, load_from_dict)
     arguments["probes"] = _probes(data.get("probe", []), source)
@@ -143,6 +146,15 @@ def layer_from_dict(data: dict[str, Any]) -> Layer:
     """A layer: material keys, thickness and angle."""
     layer = {key: data.pop(key) for key in ("thickness", "angle") if key in data}
     return Layer(material=material_from_dict(data), **layer)
+
+
+def chart_from_dict(data: dict[str, Any]) -> Any:
+    """A ready chart: its kind and constants."""
+    from kshell.geometry import ready_chart
+
+    if "kind" not in data:
+        raise InputError('kind is missing: for example kind = "cylinder" with R = 25.0')
+    return ready_chart(data.pop("kind"), **data)
 
 
 def support_from_dict(data: dict[str, Any]) -> Any:

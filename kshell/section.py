@@ -1,10 +1,11 @@
-"""Material and thickness of a plate at any place: what its bending stiffness, mass and stresses come from.
+"""Material and thickness of a plate or shell at any place: what its stiffness, mass and stresses come from.
 
 Symbols
 -------
 w''         (w_xx, w_yy, 2 w_xy)
 D           bending stiffness (3, 3): (M_xx, M_yy, M_xy) = -D w''
 Q           plane-stress stiffness (3, 3); D = t^3 / 12 Q in a single material of thickness t
+A, B        membrane and coupling stiffness: N = A E - B w'', M = B E - D w'' with the membrane strain E
 sigma       stress at height z: -z Q w''
 """
 
@@ -31,7 +32,7 @@ Ints = NDArray[np.integer]
 
 
 class Section:
-    """The cross-section of a plate on a mesh. Use `plate_section` to make one from a scene's data.
+    """The cross-section of a plate or shell on a mesh. Use `plate_section` or `shell_section` to make one.
 
     Attributes
     ----------
@@ -83,6 +84,24 @@ class Section:
         if self._stack is not None:
             return np.broadcast_to(self._stack.D, (*points.shape[:-1], 3, 3))
         return (self.thickness(triangles, points) ** 3 / 12.0)[..., None, None] * self._Q
+
+    def membrane(self, triangles: Ints, points: Floats) -> Floats:
+        """(n, q, 3, 3) stiffness A at points (n, q, 3) of triangles (n,), force per length."""
+        if self._stack is not None:
+            return np.broadcast_to(self._stack.A, (*points.shape[:-1], 3, 3))
+        return self.thickness(triangles, points)[..., None, None] * self._Q
+
+    @property
+    def coupling(self) -> Floats:
+        """(3, 3) stiffness B, force; zero unless layers are not symmetric about their middle."""
+        return np.zeros((3, 3)) if self._stack is None else self._stack.B
+
+    @property
+    def moduli(self) -> tuple[Floats, Floats, Floats]:
+        """Plane-stress stiffness Q at the bottom, in the middle and at the top."""
+        if self._stack is None:
+            return self._Q, self._Q, self._Q
+        return self._stack.bottom, self._stack.middle, self._stack.top
 
     def bending_per_triangle(self) -> Floats:
         """(triangle, 3, 3) stiffness D, where `constant_per_triangle` holds."""
@@ -143,11 +162,21 @@ def plate_section(
         If the thickness is not positive somewhere, the groups do not cover every triangle exactly once,
         or the laminate is not symmetric about its middle.
     """
+    if layers is not None:
+        require_symmetric(laminate(layers))
+    return shell_section(mesh, thickness, material, layers)
+
+
+def shell_section(
+    mesh: Mesh,
+    thickness: Any = None,
+    material: Material | None = None,
+    layers: Sequence[Layer] | None = None,
+) -> Section:
+    """The cross-section of a shell: as `plate_section`, but layers need not be symmetric."""
     if layers is None:
         return Section(mesh, thickness, material, None)
-    stack = laminate(layers)
-    require_symmetric(stack)
-    return Section(mesh, None, None, stack)
+    return Section(mesh, None, None, laminate(layers))
 
 
 def _triangle_parts(mesh: Mesh, names: list[str]) -> Ints:

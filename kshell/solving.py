@@ -9,12 +9,14 @@ from typing import Any
 
 from kshell.checking import check_load, check_support
 from kshell.errors import InputError, KshellWarning
+from kshell.modelling import choose_model
+from kshell.on_chart import mesh_in_space
 from kshell.result import Result
 from kshell.scene import Scene
 
 
 def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **options: Any) -> Result:
-    """Deflection, moments and reactions of a plate under static loads.
+    """Deflection, moments and reactions of a plate or shell under static loads.
 
     Parameters
     ----------
@@ -22,7 +24,7 @@ def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **opti
     progress : function, optional
         Called with the name of each stage as it begins: read, assemble, solve, recover.
     **options
-        The keys of [solve] in a scene file: analysis, model, element, large_deflection, solver. They
+        The keys of [solve] in a scene file: analysis, model, element, order, large_deflection, solver. They
         take precedence over those of the scene.
 
     Returns
@@ -44,15 +46,19 @@ def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **opti
         progress("read")
     begin = time.perf_counter()
     mesh = scene.read_mesh()
+    space = mesh_in_space(scene, mesh)
     for support in scene.supports:
-        check_support(mesh, support)
+        check_support(space, support)
     for load in scene.loads:
-        check_load(mesh, load)
+        check_load(space, load)
+    choice = choose_model(scene, mesh, chosen)
     read_seconds = time.perf_counter() - begin
-
-    from kshell.plate import solve_plate
-
-    result = solve_plate(scene, mesh, chosen, progress, read_seconds=read_seconds)
+    solve_model: Any
+    if choice.kind == "plate":
+        from kshell.plate import solve_plate as solve_model
+    else:
+        from kshell.shell.model import solve_shell as solve_model
+    result: Result = solve_model(scene, mesh, chosen, progress, read_seconds=read_seconds)
     result.scene = scene
     for words in result.warnings:
         warnings.warn(words, KshellWarning, stacklevel=2)

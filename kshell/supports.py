@@ -100,6 +100,15 @@ class Free(Support):
     freedoms: str = field(default="", init=False, repr=False)
 
 
+@described("support hinge")
+class Hinge(Support):
+    """A hinge line of a shell: the sheets that meet there turn freely about it, nothing else is released."""
+
+    kind: ClassVar[str] = "hinge"
+    on: On
+    freedoms: str = field(default="", init=False, repr=False)
+
+
 @described("support fixed")
 class Fixed(Support):
     """Exact freedoms, letters of "xyzr", with an optional prescribed translation.
@@ -177,5 +186,5 @@ def _require_matching_value(freedoms: str, value: Any) -> None:
 
 
 SUPPORTS: dict[str, type[Any]] = {
-    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic)
+    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, Fixed, Elastic)
 }

@@ -66,18 +66,29 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
     console = _console()
     console.print(f"[bold]{_escaped(result.title or 'kshell')}[/bold]")
     mesh = result.mesh
+    shell = result.model["kind"] == "shell"
+    order = f" of order {result.model['order']}" if result.model["element"] == "koiter" else ""
     console.print(
-        f"{result.model['kind']}, element {result.model['element']}: {len(mesh.points)} vertices, "
+        f"{result.model['kind']}, element {result.model['element']}{order}: {len(mesh.points)} vertices, "
         f"{len(mesh.triangles)} triangles, {result.unknowns} unknowns"
     )
     for reason in result.model["reasons"]:
         console.print(f"  {_escaped(reason)}")
     if result.probes:
+        moved = (lambda u: _vector(u)) if shell else (lambda u: _number(u[2]))
         rows = [
-            [name, _vector(p["x"]), _number(p["u"][2]), _vector(p["M"]), _vector(p["stress_top"])]
+            [name, _vector(p["x"]), moved(p["u"])]
+            + ([_vector(p["N"])] if shell else [])
+            + [_vector(p["M"]), _vector(p["stress_top"])]
             for name, p in result.probes.items()
         ]
-        heads = ["probe", "at", "deflection w", "M xx, yy, xy", "stress top xx, yy, xy"]
+        heads = [
+            "probe",
+            "at",
+            "displacement" if shell else "deflection w",
+            *(["N xx, yy, xy"] if shell else []),
+        ]
+        heads += ["M xx, yy, xy", "stress top xx, yy, xy"]
         console.print(_table(heads, rows, f"Probes (frame: {result.frame})"))
     if result.extremes:
         extremes = [
@@ -89,12 +100,12 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         reactions = [
             [name, _vector(r["force"]), _vector(r["moment"])] for name, r in result.reactions.items()
         ]
-        console.print(
-            _table(["support", "force", "moment about the origin"], reactions, "Reactions on the plate")
-        )
+        heads = ["support", "force", "moment about the origin"]
+        console.print(_table(heads, reactions, f"Reactions on the {result.model['kind']}"))
     console.print(
         f"equilibrium: loads and reactions differ by {result.balance:.1e} of their size; "
         f"strain energy {_number(result.strain_energy)}"
+        + "".join(f", {name} {_number(part)}" for name, part in result.energies.items())
     )
     _print_warnings(console, result.warnings)
     stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())

@@ -2,8 +2,9 @@
 
 Point data have the names of `Result.fields`; tensors in the plane have the columns xx yy xy. Every group
 is an array "group NAME" of zeros and ones, of points for curve and point groups, of cells for surfaces.
-Triangles of order 2 are written with their mid-edge nodes: there the displacement follows from values and
-slopes at the edge's ends (cubic Hermite), the other fields are the mean of the ends.
+Triangles of order 2 are written with their mid-edge nodes: there the displacement of a shell is that of the
+solution, of a plate it follows from values and slopes at the edge's ends (cubic Hermite); the other fields are the
+mean of the ends.
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ def write_vtu(path: Path, result: Result) -> None:
         edges = mesh.triangle_edges[:, [0, 1, 2]] + len(mesh.points)  # nodes on (0, 1), (1, 2), (0, 2)
         cells, kind = np.concatenate([mesh.triangles, edges], axis=1), "triangle6"
     point_data: dict[str, NDArray[np.generic]] = {
-        name: at_nodes(mesh, name, values, result.fields) for name, values in result.fields.items()
+        name: at_nodes(mesh, name, values, result.fields, result.edge_fields)
+        for name, values in result.fields.items()
     }
     cell_data: dict[str, list[NDArray[np.generic]]] = {
         name: [np.ascontiguousarray(values)] for name, values in result.cell_fields.items()
@@ -69,10 +71,18 @@ def _nodes_of(mesh: Mesh, dimension: int, members: NDArray[np.int32]) -> NDArray
     return np.concatenate(nodes)
 
 
-def at_nodes(mesh: Mesh, name: str, values: Floats, fields: dict[str, Floats]) -> Floats:
+def at_nodes(
+    mesh: Mesh,
+    name: str,
+    values: Floats,
+    fields: dict[str, Floats],
+    edge_fields: dict[str, Floats] | None = None,
+) -> Floats:
     """Values at vertices, and at mid-edge nodes where the mesh has them."""
     if mesh.midpoints is None:
         return np.ascontiguousarray(values)
+    if edge_fields and name in edge_fields:
+        return np.concatenate([values, edge_fields[name]])
     start, end = mesh.edges.T
     middle = 0.5 * (values[start] + values[end])
     if name == "displacement" and "rotation" in fields:

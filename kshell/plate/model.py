@@ -2,51 +2,30 @@
 
 from __future__ import annotations
 
-import resource
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.clock import Clock, Stage, peak_memory_mb
 from kshell.errors import SolveError
 from kshell.mesh.check import plate_problems
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.words import place
+from kshell.modelling import choose_model
 from kshell.options import SolveOptions
 from kshell.plate.problem import PlateProblem, choose_element
 from kshell.plate.product import strain_product
 from kshell.plate.reactions import ReactionFinder
-from kshell.plate.recovery import Fields, principal, von_mises
+from kshell.plate.recovery import Fields
+from kshell.probing import probe_values
 from kshell.result import Result, no_error_estimate
 from kshell.scene import Scene
 from kshell.solve import Solution, solve_system
+from kshell.tensors import principal, von_mises
 
 Floats = NDArray[np.float64]
-Stage = Callable[[str], None]
-
 ROUNDED_FROM = 20_000  # unknowns from which rounding of the matrix exceeds 1e-10 of the deflection
 UNBALANCED = 1e-6
-FAR_PROBE = 1e-6
-
-
-class Clock:
-    """Seconds per stage of a solve."""
-
-    def __init__(self, progress: Stage | None) -> None:
-        self.seconds: dict[str, float] = {}
-        self._progress = progress
-
-    @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
-        """Time a block under a name, and announce it."""
-        if self._progress is not None:
-            self._progress(name)
-        begin = time.perf_counter()
-        yield
-        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
 
 
 def solve_plate(
@@ -72,8 +51,7 @@ def solve_plate(
     SolveError
         If no answer was reached.
     """
-    clock = Clock(progress)
-    clock.seconds["read"] = read_seconds
+    clock = Clock(progress, read_seconds)
     with clock.stage("assemble"):
         plate_problems(mesh)
         choice = choose_element(options, mesh)
@@ -89,7 +67,7 @@ def solve_plate(
     with clock.stage("recover"):
         result = _recover(scene, problem, d, solution)
     reasons = [
-        "kind plate: the mesh is flat",
+        *choose_model(scene, mesh, options).reasons,
         choice.reason,
         "linear: only small deflections are computed",
         *(f"mesh: {note}" for note in mesh.notes),
@@ -106,7 +84,7 @@ def solve_plate(
         "why": solution.why,
         "iterations": solution.iterations,
         "seconds": {**clock.seconds},
-        "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        "peak_memory_mb": peak_memory_mb(),
     }
     return result
 
@@ -181,25 +159,9 @@ def _cell_fields(problem: PlateProblem, fields: Fields) -> dict[str, NDArray[Any
 
 
 def _probes(scene: Scene, mesh: Mesh, fields: Fields) -> tuple[dict[str, dict[str, Any]], list[str]]:
-    if not scene.probes:
-        return {}, []
-    names = list(scene.probes)
-    points = np.array([scene.probes[name] for name in names], dtype=float)
-    values = fields.at(points)
-    off = np.hypot(values["distance"], points[:, 2] - mesh.points[0, 2])
-    typical = float(np.sqrt(2 * np.median(mesh.areas)))
-    warnings = [
-        f"probe {name}: {place(point)} lies {distance:.3g} off the plate, more than a mesh size ({typical:.3g}); "
-        f"the values are those at the nearest point, {place(x)}"
-        for name, point, distance, x in zip(names, points, off, values["x"], strict=True)
-        if distance > typical
-    ]
-    out = {}
-    for k, name in enumerate(names):
-        probe = {key: value[k] for key, value in values.items() if key != "distance"}
-        probe["N"] = np.zeros(3)
-        probe["von_mises_top"] = float(von_mises(probe["stress_top"]))
-        probe["von_mises_bottom"] = float(von_mises(probe["stress_bottom"]))
-        probe["principal_moments"] = principal(probe["M"])
-        out[name] = probe
-    return out, warnings
+    def evaluate(points: Floats) -> dict[str, Floats]:
+        values = fields.at(points)
+        values["distance"] = np.hypot(values["distance"], points[:, 2] - mesh.points[0, 2])
+        return values
+
+    return probe_values(scene.probes, evaluate, mesh, "plate")

@@ -215,16 +215,3 @@ class Fields:
         corners = self.domain.mesh.triangles[found.triangles]
         moment, shear = self._fitted_moments
         return (weights @ moment[corners])[:, 0], (weights @ shear[corners])[:, 0]
-
-
-def von_mises(stress: Floats) -> Floats:
-    """Equivalent stress (...) of plane stress (..., 3)."""
-    xx, yy, xy = np.moveaxis(stress, -1, 0)
-    return np.sqrt(np.maximum(xx**2 - xx * yy + yy**2 + 3 * xy**2, 0.0))
-
-
-def principal(tensor: Floats) -> Floats:
-    """Principal values (..., 2), the larger first, of symmetric tensors (..., 3) given as xx, yy, xy."""
-    xx, yy, xy = np.moveaxis(tensor, -1, 0)
-    mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
-    return np.stack([mean + radius, mean - radius], axis=-1)

@@ -200,7 +200,7 @@ def test_check_says_what_moves_freely(folder, capsys):
         (["solve", "scene.toml", "--set", "loads=1"], ['did you mean "load"']),
         (["solve", "scene.toml", "--thickness", "1"], ["--thickness", "--set thickness=0.02"]),
         (["solve", "scene.toml", "--mesh-size", "1"], ["--mesh-size", "--set"]),
-        (["solve", "scene.toml", "--element", "koiter"], ["koiter", "argyris"]),
+        (["solve", "scene.toml", "--element", "kirchhoff"], ["kirchhoff", "koiter"]),
         (["solve", "scene.toml", "--solver", "fast"], ["fast", "multigrid"]),
         (["solve", "square.msh"], ["--thickness, --E, --nu missing"]),
         (["solve", "square.msh", *OPTIONS[:4]], ["--nu missing"]),

@@ -1,0 +1,176 @@
+"""The Argyris element on a chart as the words of a scene need it. See `kshell.shell.discretisation`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.select import Selection
+from kshell.shell import chart_loads
+from kshell.shell.argyris import ChartKoiter
+from kshell.shell.chart_recovery import ChartRecovery, principal_curvature
+from kshell.shell.chart_supports import ChartSupports
+from kshell.shell.chart_surface import ChartLike, ChartSurface
+from kshell.shell.discretisation import USE_KOITER, OfPlace
+from kshell.shell.section import Section
+from kshell.shell.supports import Reduction
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+
+class ArgyrisDiscretisation:
+    """Argyris elements on the parameter plane of a chart.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In the parameter plane.
+    chart : Chart
+
+    Attributes
+    ----------
+    surface : ChartSurface
+    unknowns : int
+    loads : module
+        Functions that turn values into forces on the unknowns.
+    """
+
+    name = "argyris"
+    loads = chart_loads
+
+    def __init__(self, mesh: Mesh, chart: ChartLike) -> None:
+        if mesh.midpoints is not None:
+            straight = mesh.points[mesh.edges].mean(axis=1)
+            if np.abs(mesh.midpoints - straight).max() > 1e-9 * mesh.size:
+                raise InputError(
+                    f"{mesh.source}: edges of the parameter mesh are curved (order 2), the Argyris element on a chart "
+                    f"takes straight ones: mesh with order 1, or {USE_KOITER}"
+                )
+        self.surface = ChartSurface(mesh, chart)
+        self.unknowns = self.surface.unknowns
+
+    def energy(self, section: Section) -> ChartKoiter:
+        """The energy with a cross-section."""
+        return ChartKoiter(self.surface, section)
+
+    def conditions(self) -> ArgyrisConditions:
+        """Empty conditions on the motion."""
+        return ArgyrisConditions(self.surface)
+
+    def recovery(self, energy: ChartKoiter, x: Floats) -> ChartRecovery:
+        """Values of a solution inside triangles."""
+        return ChartRecovery(energy, x)
+
+    def interior_points(self, triangles: Ints) -> tuple[Floats, Floats]:
+        """Quadrature points (n, q, 3) of triangles in space and weights (n, q) with the area element."""
+        surface = self.surface
+        return np.moveaxis(surface.positions[:, triangles], 0, 2), surface.area_elements[
+            triangles
+        ] * surface.weights
+
+    def patches(self) -> tuple[Ints, Floats]:
+        """(triangle,) one smooth piece, and (triangle, 3) equal weights of the corners."""
+        count = len(self.surface.mesh.triangles)
+        return np.zeros(count, dtype=np.int64), np.ones((count, 3))
+
+    def largest_curvature(self) -> Floats:
+        """(triangle,) largest principal curvature in size."""
+        return principal_curvature(self.surface)
+
+    def extent(self) -> tuple[Floats, float]:
+        """Centre (3,) and size of the shell."""
+        x = self._vertices()[0]
+        low, high = x.min(axis=0), x.max(axis=0)
+        return 0.5 * (low + high), float(np.linalg.norm(high - low))
+
+    def _vertices(self) -> tuple[Floats, Floats, Floats]:
+        u, v = self.surface.mesh.points[:, :2].T
+        x, x_a, x_ab = self.surface.chart.derivatives(u, v, order=2)
+        return x, x_a, x_ab
+
+    def rigid_motions(self, centre: Floats, size: float) -> Floats:
+        """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre."""
+        mesh = self.surface.mesh
+        x, x_a, x_ab = self._vertices()
+        jets = np.concatenate([(x - centre)[:, None], x_a, x_ab[:, [0, 0, 1], [0, 1, 1]]], axis=1) / size
+        ends = mesh.points[mesh.edges][:, :, :2]
+        along = ends[:, 1] - ends[:, 0]
+        normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+        slopes = self.surface.chart.derivatives(*ends.mean(axis=1).T, order=1)[1]
+        across = np.einsum("ea,eax->ex", normal, slopes) / size
+        result = np.zeros((self.unknowns, 6))
+        at_vertices = 18 * len(mesh.points)
+        for axis in range(3):
+            result[axis:at_vertices:18, axis] = 1.0
+            e = np.eye(3)[axis]
+            result[:at_vertices, 3 + axis] = np.cross(e, jets).ravel()
+            result[at_vertices:, 3 + axis] = np.cross(e, across).ravel()
+        return result
+
+    def vertex_of_unknown(self) -> Ints:
+        """(unknowns,) the vertex of each unknown, one end for those of edges."""
+        mesh = self.surface.mesh
+        return np.concatenate([np.repeat(np.arange(len(mesh.points)), 18), np.repeat(mesh.edges[:, 0], 3)])
+
+    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> Any:
+        """Not on this element.
+
+        Raises
+        ------
+        InputError
+        """
+        raise InputError(f"{what}: Argyris elements on a chart have no springs: {USE_KOITER}")
+
+
+class ArgyrisConditions:
+    """Conditions on the motion of a chart surface, from selections of a mesh."""
+
+    def __init__(self, surface: ChartSurface) -> None:
+        self.surface = surface
+        self.kernel = ChartSupports(surface)
+
+    def translations(self, chosen: Selection, letters: str, value: OfPlace) -> None:
+        """Hold the components named by letters of vertices or along edges."""
+        self._no_surface(chosen)
+        mesh = self.surface.mesh
+        vertices = chosen.members if chosen.dimension == 0 else np.unique(mesh.edges[chosen.members])
+        x = self.surface.chart.derivatives(*mesh.points[vertices, :2].T, order=0)[0]
+        values = value(x)
+        if np.ptp(values, axis=0).max() > 1e-12 * np.abs(values).max():
+            raise InputError(
+                f"support on '{chosen.label}': Argyris elements on a chart take a constant prescribed translation per "
+                f"group: {USE_KOITER}"
+            )
+        hold = self.kernel.vertex if chosen.dimension == 0 else self.kernel.translation
+        hold(chosen.members, letters, values[0])
+
+    def rotations(self, chosen: Selection, what: str) -> None:
+        """Hold the rotation about edges."""
+        self._no_surface(chosen)
+        if chosen.dimension == 0:
+            raise InputError(
+                f"{what}: a point of a shell has no rotation of its own to hold; hold its translations, for example "
+                "with simply_supported, or clamp a short edge"
+            )
+        self.kernel.rotation(chosen.members)
+
+    def symmetry(self, edges: Ints) -> None:
+        """A plane of symmetry through edges."""
+        self.kernel.symmetry(edges)
+
+    def reduction(self) -> Reduction:
+        """The motions left."""
+        return self.kernel.reduction()
+
+    @staticmethod
+    def _no_surface(chosen: Selection) -> None:
+        if chosen.dimension == 2:
+            raise InputError(
+                f"support on '{chosen.label}': Argyris elements on a chart are held on curves and points, not on "
+                f"surfaces: {USE_KOITER}"
+            )

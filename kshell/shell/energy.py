@@ -1,0 +1,192 @@
+"""An energy that is a quadratic function of strains: value, gradient, Hessian, and its linear limit.
+
+Both discretisations of the Koiter energy have the form  sum over triangles of 1/2 s . K s  with strains s
+that are smooth functions of the unknowns. Then, with the stress sigma = K s,
+
+    gradient = s'^T sigma,    Hessian = s'^T K s' + sum_r sigma_r s_r''.
+
+This module knows nothing else about shells; a discretisation supplies s, s' and sum_r sigma_r s_r''.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.shell.sparsity import Sparsity
+
+Floats = NDArray[np.float64]
+
+
+class Energy(NamedTuple):
+    """Energy of a state, with as many derivatives as were asked for."""
+
+    value: float
+    gradient: Any = None  # (unknowns,), None if not asked for
+    hessian: Any = None  # sparse, None if not asked for
+
+
+class StrainEnergy(ABC):
+    """Energy assembled from triangles.
+
+    Attributes
+    ----------
+    unknowns : int
+    triangle_unknowns : (triangle, n) int array
+    initial : (triangle, r)
+        Strains at which the triangles are free of stress.
+    blocks : list of slice
+        Triangles worked on at a time; they bound the memory of intermediate arrays.
+    rest : object
+        What the discretisation keeps of a state besides the unknowns (directors), in the rest state.
+    """
+
+    unknowns: int
+    triangle_unknowns: NDArray[np.int32]
+    initial: Floats
+    blocks: list[slice]
+    rest: Any
+
+    @abstractmethod
+    def _state(self, x: Floats, memory: Any, triangles: slice) -> Any:
+        """Kinematics of a block, with an attribute `strain` (triangle, r), initial strains not subtracted."""
+
+    @abstractmethod
+    def _gradient(self, state: Any, triangles: slice) -> Floats:
+        """s': (triangle, r, n)."""
+
+    @abstractmethod
+    def _geometric(self, state: Any, stress: Floats, triangles: slice) -> Floats:
+        """sum_r stress_r s_r'' in the leading unknowns of the triangle, on which s'' depends: (triangle, m, m)."""
+
+    @abstractmethod
+    def _apply(self, triangles: slice, columns: Floats) -> Floats:
+        """K times columns (triangle, r, k)."""
+
+    @abstractmethod
+    def translation_weights(self) -> Floats:
+        """(unknowns,) w such that x . (w x) is the mean square translation of the nodes."""
+
+    @property
+    @abstractmethod
+    def sparsity(self) -> Sparsity:
+        """Pattern of all matrices; found once."""
+
+    def strain(self, x: Floats, memory: Any = None) -> Floats:
+        """(triangle, r) strains s of a state, less the initial ones."""
+        memory = self.rest if memory is None else memory
+        return np.concatenate([self._state(x, memory, t).strain for t in self.blocks]) - self.initial
+
+    def stress(self, strain: Floats) -> Floats:
+        """K s: (triangle, r)."""
+        return np.concatenate([self._apply(t, strain[t, :, None])[:, :, 0] for t in self.blocks])
+
+    def energy(
+        self, x: Floats, derivatives: int = 0, memory: Any = None, stress: Floats | None = None
+    ) -> Energy:
+        """Energy of a state of finite deformation.
+
+        Parameters
+        ----------
+        x : (unknowns,)
+        derivatives : 0, 1 or 2
+        memory : object, optional
+            Directors of the state; those of the rest state if absent.
+        stress : (triangle, r), optional
+            Stress of the second derivative instead of that of the state: the mixed iteration of Magisano,
+            Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.
+        """
+        memory = self.rest if memory is None else memory
+        value = 0.0
+        forces = np.zeros(self.triangle_unknowns.shape)
+        data = self.sparsity.empty() if derivatives > 1 else None
+        for triangles in self.blocks:
+            state = self._state(x, memory, triangles)
+            strain = state.strain - self.initial[triangles]
+            mine = self._apply(triangles, strain[:, :, None])[:, :, 0]
+            value += 0.5 * float(np.sum(strain * mine))
+            if derivatives == 0:
+                continue
+            gradient = self._gradient(state, triangles)
+            forces[triangles] = np.matmul(mine[:, None, :], gradient)[:, 0]
+            if data is not None:
+                matrices = self._product(gradient, triangles)
+                curved = self._geometric(state, mine if stress is None else stress[triangles], triangles)
+                matrices[:, : curved.shape[1], : curved.shape[1]] += curved
+                self.sparsity.add(data, triangles, matrices)
+        if derivatives == 0:
+            return Energy(value)
+        return Energy(value, self._gather(forces), None if data is None else self.sparsity.matrix(data))
+
+    def extrapolated_stress(self, x: Floats, step: Floats, memory: Any = None) -> Floats:
+        """K (s + s' step): the stress after a step if the strains were linear. (triangle, r)."""
+        memory = self.rest if memory is None else memory
+        result = np.empty_like(self.initial)
+        for triangles in self.blocks:
+            state = self._state(x, memory, triangles)
+            change = step[self.triangle_unknowns[triangles]]
+            strain = state.strain - self.initial[triangles]
+            strain += np.matmul(self._gradient(state, triangles), change[:, :, None])[:, :, 0]
+            result[triangles] = self._apply(triangles, strain[:, :, None])[:, :, 0]
+        return result
+
+    def linear_stiffness(self) -> sp.csr_matrix:
+        """Second derivative of the energy at rest, without initial strains."""
+        data = self.sparsity.empty()
+        for triangles, gradient in self._rest_gradients():
+            self.sparsity.add(data, triangles, self._product(gradient, triangles))
+        return self.sparsity.matrix(data)
+
+    def linear_strain(self, x: Floats) -> Floats:
+        """(triangle, r) strains to first order, less the initial ones."""
+        result = -self.initial
+        for triangles, gradient in self._rest_gradients():
+            change = x[self.triangle_unknowns[triangles]]
+            result[triangles] += np.matmul(gradient, change[:, :, None])[:, :, 0]
+        return result
+
+    def linear_forces(self, stress: Floats) -> Floats:
+        """Forces on the unknowns (unknowns,) in equilibrium with a stress, at rest.
+
+        With the stress of `linear_strain` this is the stiffness times x with far less rounding in thin
+        shells: strains are formed before they are multiplied by the large membrane stiffness.
+        """
+        forces = np.empty(self.triangle_unknowns.shape)
+        for triangles, gradient in self._rest_gradients():
+            forces[triangles] = np.matmul(stress[triangles, None, :], gradient)[:, 0]
+        return self._gather(forces)
+
+    def geometric_stiffness(self, stress: Floats) -> sp.csr_matrix:
+        """sum_r stress_r s_r'' at rest (for buckling)."""
+        x = np.zeros(self.unknowns)
+        data = self.sparsity.empty()
+        count = self.triangle_unknowns.shape[1]
+        for triangles in self.blocks:
+            curved = self._geometric(self._state(x, self.rest, triangles), stress[triangles], triangles)
+            matrices = np.zeros((len(curved), count, count))
+            matrices[:, : curved.shape[1], : curved.shape[1]] = curved
+            self.sparsity.add(data, triangles, matrices)
+        return self.sparsity.matrix(data)
+
+    def _rest_gradients(self) -> Iterator[tuple[slice, Floats]]:
+        x = np.zeros(self.unknowns)
+        for triangles in self.blocks:
+            yield triangles, self._gradient(self._state(x, self.rest, triangles), triangles)
+
+    def _product(self, gradient: Floats, triangles: slice) -> Floats:
+        return np.matmul(gradient.swapaxes(1, 2), self._apply(triangles, gradient))
+
+    def _gather(self, forces: Floats) -> Floats:
+        """Sum of forces (triangle, n) on each unknown."""
+        where = self.triangle_unknowns.ravel()
+        return np.asarray(np.bincount(where, weights=forces.ravel(), minlength=self.unknowns), dtype=float)
+
+
+def in_blocks(count: int, size: int) -> list[slice]:
+    """Slices of at most `size` that cover `count` triangles."""
+    return [slice(i, min(i + size, count)) for i in range(0, count, size)]

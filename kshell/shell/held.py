@@ -1,0 +1,131 @@
+"""Is the shell held? A rigid motion that no support resists is named before anything is solved.
+
+Every part of the mesh that hangs together by vertices moves rigidly in six ways, r = (t, omega / L). What the
+conditions leave of such a motion of the unknowns, R r - T c with the best c, shows what they resist.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.unjoined import vertex_parts
+from kshell.mesh.words import place
+from kshell.shell.supports import Reduction
+
+Floats = NDArray[np.float64]
+
+# resistance to a motion, relative to the largest one in the part, that counts as none
+LOOSE = 1e-10
+# so much of a unit vector is rounding in words
+ROUND = 1e-6
+
+
+def require_held(
+    mesh: Mesh, discretisation: Any, reduction: Reduction, springs: sp.csr_matrix | None
+) -> None:
+    """Raise InputError if a part can move as a rigid body, naming the motion and the part.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In space.
+    discretisation : KoiterDiscretisation or ArgyrisDiscretisation
+    """
+    part = vertex_parts(mesh)
+    count = int(part.max()) + 1
+    part_of_unknown = part[discretisation.vertex_of_unknown()]
+    basis = reduction.basis
+    best = splu((basis.T @ basis).tocsc()) if basis.shape[1] else None
+    for number in range(count):
+        x = mesh.points[part == number]
+        centre = 0.5 * (x.min(axis=0) + x.max(axis=0))
+        size = float(np.linalg.norm(np.ptp(x, axis=0)))
+        motion = discretisation.rigid_motions(centre, size)
+        motion[part_of_unknown != number] = 0.0
+        resisted = motion if best is None else motion - basis @ best.solve(basis.T @ motion)
+        gram = _relative(resisted.T @ resisted)
+        if springs is not None:
+            gram = gram + _relative(motion.T @ (springs @ motion))
+        value, vector = np.linalg.eigh(gram)
+        free = vector[:, value < LOOSE * max(value[-1], 1e-300)]
+        if free.shape[1]:
+            where = ""
+            if count > 1:
+                inside = int((part[mesh.triangles[:, 0]] == number).sum())
+                where = (
+                    f" (the part of {inside} triangles around {place(x.mean(axis=0))}, one of {count} parts)"
+                )
+            raise InputError(_words(free, centre, size, where))
+
+
+def _relative(gram: Floats) -> Floats:
+    largest = np.abs(gram).max()
+    return gram / largest if largest > 0 else gram
+
+
+def _words(free: Floats, centre: Floats, size: float, where: str) -> str:
+    if free.shape[1] == 6:
+        return (
+            f"the shell{where} is not held: it can move along x, y and z and turn about them; add supports, for "
+            "example clamped or simply_supported on a curve group"
+        )
+    motions = [_motion(column, centre, size) for column in _sorted_out(free).T]
+    many = f"in {len(motions)} ways" if len(motions) > 1 else "freely"
+    return (
+        f"the shell{where} can move as a rigid body {many}: it can {'; it can '.join(motions)}. Hold these motions, "
+        'for example with symmetry, clamped, or the exact freedoms fix = "x"'
+    )
+
+
+def _sorted_out(free: Floats) -> Floats:
+    """The same motions, pure translations first, translations and turns along axes where possible."""
+    _, size, rows = np.linalg.svd(free[3:], full_matrices=True)  # rotations of the combinations
+    rank = int((size > ROUND).sum())
+    turns, shifts = free @ rows[:rank].T, free @ rows[rank:].T
+    out = []
+    if shifts.shape[1]:
+        out.append(_along_axes(shifts, shifts[:3]))
+        turns = turns.copy()
+        turns[:3] -= shifts[:3] @ (np.linalg.pinv(shifts[:3]) @ turns[:3])
+    if rank:
+        out.append(_along_axes(turns, turns[3:]))
+    return np.concatenate(out, axis=1)
+
+
+def _along_axes(motions: Floats, directions: Floats) -> Floats:
+    """Combinations of motions (6, n) whose directions (3, n) are as close to coordinate axes as they can be."""
+    inverse = np.linalg.pinv(directions)
+    closeness = np.diag(directions @ inverse)
+    axes = np.sort(np.argsort(-closeness, kind="stable")[: motions.shape[1]])
+    combined = motions @ inverse[:, axes]
+    return combined if np.linalg.matrix_rank(combined, tol=1e-3) == motions.shape[1] else motions
+
+
+def _motion(motion: Floats, centre: Floats, size: float) -> str:
+    shift, turn = motion[:3], motion[3:] / size
+    if np.linalg.norm(turn) * size < ROUND * np.linalg.norm(shift):
+        return f"move along {_direction(shift)}"
+    axis = turn / np.linalg.norm(turn)
+    # u = shift + turn x (x - centre) vanishes, but for a part along the axis, on the line through this point
+    point = centre + np.cross(turn, shift) / (turn @ turn)
+    words = f"turn about the axis through {place(np.round(point, 12))} along {_direction(axis)}"
+    along = float(shift @ axis)
+    if abs(along) > ROUND * max(np.linalg.norm(shift), np.linalg.norm(turn) * size):
+        words += f" while it moves along it by {along / np.linalg.norm(turn):.4g} per radian"
+    return words
+
+
+def _direction(vector: Floats) -> str:
+    unit = vector / np.linalg.norm(vector)
+    axis = int(np.argmax(np.abs(unit)))
+    if abs(unit[axis]) > 1 - ROUND:
+        return "xyz"[axis]
+    unit = unit * np.sign(unit[axis])
+    return "(" + ", ".join(f"{c + 0.0:.3g}" for c in np.where(np.abs(unit) < ROUND, 0.0, unit)) + ")"

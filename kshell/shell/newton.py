@@ -1,0 +1,66 @@
+"""One equilibrium under large deflections: Newton's method with extrapolated stress.
+
+In thin shells plain Newton needs many iterations because membrane stress is linear in the strain but the
+strain is quadratic in the rotations: an iterate slightly off the inextensional path has a huge, wrong
+stress in its tangent. Magisano, Leonetti and Garcea (Int. J. Numer. Meth. Engng 2017) take the stress in the
+tangent, an independent unknown, from its own linear update; the residual keeps the true stress. The
+limit is the same, the way there is several times shorter.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import SolveError
+from kshell.shell.equilibrium import Problem, State
+
+Floats = NDArray[np.float64]
+
+MOST_ITERATIONS = 25
+# work of the last residual on the last correction, against the work of the load; the error is its square
+FINISHED = 1e-13
+# growth of that work over its first value, after which an iteration is given up
+DIVERGED = 1e5
+
+
+def correct(problem: Problem, state: State, factor: float) -> State:
+    """Equilibrium at a load factor, from a state nearby.
+
+    Raises
+    ------
+    SolveError
+        If the iteration does not converge; its `state` is the state it started from.
+    """
+    basis, given = problem.reduction.basis, problem.reduction.given
+    x, stress = state.x, None
+    shift = (factor - state.factor) * given
+    moved = bool(np.any(shift))
+    first = 0.0
+    for iteration in range(1, MOST_ITERATIONS + 1):
+        energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
+        if not np.isfinite(energy.value):
+            break
+        if iteration == 1 and moved:
+            residual = residual - energy.hessian @ shift
+        reduced = basis.T @ residual
+        tangent = problem.factorise(energy.hessian)
+        step = tangent.solve(reduced)
+        work = abs(float(reduced @ step))
+        change = basis @ step
+        if iteration == 1 and moved:
+            change = change + shift
+        stress = problem.energy.extrapolated_stress(x, change, state.memory)
+        x = x + change
+        scale = abs(energy.value) + abs(factor * float(growth @ x))
+        if iteration > 1 and work <= FINISHED * scale:
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+        if not np.isfinite(work) or (first > 0.0 and work > DIVERGED * first):
+            break
+        first = max(first, work)
+        if scale == 0.0:
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+    raise SolveError(
+        f"no equilibrium found at the load factor {factor:.6g} from {state.factor:.6g} in {iteration} iterations",
+        state=state,
+    )

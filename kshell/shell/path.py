@@ -1,0 +1,256 @@
+"""Equilibrium paths through limit points and bifurcations.
+
+The load factor is one more unknown, and one more equation says how far to go: along the path
+(arc length in the displacements, after Riks and Crisfield, linearised), or in one displacement. The stress
+in the tangent is extrapolated as in newton.py.
+
+Symbols
+-------
+q, f       free unknowns, load factor
+a          K^-1 times the growth of the load: how the shell moves with the factor
+b          K^-1 times the residual
+W          weights of the translations, so that q . W q is the mean square displacement of the nodes
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import SolveError
+from kshell.shell.equilibrium import Problem, State
+from kshell.shell.factor import Factor
+
+Floats = NDArray[np.float64]
+
+MOST_ITERATIONS = 15
+FINISHED = 1e-13
+# iterations of a step that leave its length as it is
+GOOD = 5
+SHORTEST = 1.0 / 2048.0
+LONGEST = 4.0
+BISECTIONS = 10
+
+
+@dataclass(frozen=True)
+class Critical:
+    """A point of the path where the stability changes.
+
+    Attributes
+    ----------
+    kind : str
+        "limit" or "bifurcation".
+    state : State
+        Close to it.
+    mode : (unknowns,)
+        Motion without stiffness, largest translation 1.
+    """
+
+    kind: str
+    state: State
+    mode: Floats
+
+
+@dataclass(frozen=True)
+class Step:
+    """A converged step: the state and how the free unknowns moved."""
+
+    state: State
+    moved: Floats
+
+
+class PathFollower:
+    """Steps along the path of a problem.
+
+    Parameters
+    ----------
+    problem : Problem
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        basis = problem.reduction.basis
+        self.weights = basis.multiply(basis).T @ problem.energy.translation_weights()
+
+    def arc(self, state: State, length: float, before: Floats | None, along: Floats | None = None) -> Step:
+        """A step of a length, on from the motion `before`; or first along a given motion `along` at constant load.
+
+        Raises
+        ------
+        SolveError
+            If the iteration does not converge.
+        """
+
+        def predict(a: Floats, b: Floats) -> tuple[Floats, float]:
+            if along is not None:
+                return along * (length / self._size(along)), 0.0
+            sign = 1.0 if before is None else (1.0 if (self.weights * a) @ before >= 0 else -1.0)
+            factor = sign * length / self._size(a)
+            return factor * a + b, factor
+
+        def correct(first: Floats, a: Floats, b: Floats) -> float:
+            row = self.weights * first
+            across = row @ a
+            return -(row @ b) / across if across != 0.0 else 0.0
+
+        return self._step(state, predict, correct)
+
+    def displacement(self, state: State, unknown: int, change: float) -> Step:
+        """A step in which one unknown changes by a given amount."""
+        row = self.problem.reduction.basis[unknown].toarray()[0]
+
+        def predict(a: Floats, b: Floats) -> tuple[Floats, float]:
+            factor = (change - row @ b) / (row @ a)
+            return factor * a + b, float(factor)
+
+        return self._step(state, predict, lambda _, a, b: -float(row @ b) / float(row @ a))
+
+    def _size(self, q: Floats) -> float:
+        return float(np.sqrt(self.weights @ q**2))
+
+    def _step(
+        self,
+        state: State,
+        predict: Callable[[Floats, Floats], tuple[Floats, float]],
+        correct: Callable[[Floats, Floats, Floats], float],
+    ) -> Step:
+        problem = self.problem
+        basis, given = problem.reduction.basis, problem.reduction.given
+        x, factor, stress = state.x, state.factor, None
+        first: Floats | None = None
+        moved = np.zeros(basis.shape[1])
+        for iteration in range(1, MOST_ITERATIONS + 1):
+            energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
+            tangent = problem.factorise(energy.hessian)
+            reduced = basis.T @ residual
+            if np.any(given):
+                growth = growth - energy.hessian @ given
+            a, b = tangent.solve(basis.T @ growth), tangent.solve(reduced)
+            work = abs(float(reduced @ b))
+            if first is None:
+                change, more = predict(a, b)
+                first = change
+            else:
+                more = correct(first, a, b)
+                change = b + more * a
+            full = basis @ change + more * given
+            stress = problem.energy.extrapolated_stress(x, full, state.memory)
+            x, factor, moved = x + full, factor + more, moved + change
+            scale = abs(energy.value) + abs(factor * float(growth @ x))
+            if not np.all(np.isfinite(change)) or not np.isfinite(energy.value):
+                break
+            if self._size(moved) > 10 * self._size(first):
+                break
+            if iteration > 1 and work <= FINISHED * scale:
+                found = State(factor, x, state.memory, iteration, tangent.negative)
+                return Step(problem.settle(found), moved)
+        raise SolveError(
+            f"no equilibrium found on the path near the load factor {state.factor:.6g}", state=state
+        )
+
+    def critical(self, before: Step, length: float, along: Floats | None) -> Critical:
+        """The critical point within a step of a length from `before`, by bisection."""
+        low, direction = before.state, along
+        for _ in range(BISECTIONS):
+            length *= 0.5
+            try:
+                step = self.arc(low, length, direction)
+            except SolveError:
+                continue
+            if step.state.negative == before.state.negative:
+                low, direction = step.state, step.moved
+        energy, _, growth = self.problem.evaluate(low.x, low.factor, 2, low.memory, None)
+        basis = self.problem.reduction.basis
+        tangent = self.problem.factorise(energy.hessian)
+        mode = softest(tangent, basis.shape[1])
+        load = basis.T @ growth
+        # at a limit point the load works on the mode, at a bifurcation it does not
+        motion = tangent.solve(load)
+        alike = abs((self.weights * mode) @ motion) / (self._size(mode) * self._size(motion))
+        full = basis @ mode
+        kind = "limit" if alike > 0.5 else "bifurcation"
+        return Critical(kind, low, full / np.abs(full).max())
+
+
+def softest(tangent: Factor, size: int) -> Floats:
+    """Unit vector of the eigenvalue closest to zero, by inverse iteration."""
+    q = np.random.default_rng(0).normal(size=size)
+    for _ in range(8):
+        q = tangent.solve(q)
+        q /= np.linalg.norm(q)
+    return q
+
+
+@dataclass(frozen=True)
+class Path:
+    """An equilibrium path.
+
+    Attributes
+    ----------
+    states : list of State
+    critical : list of Critical
+        Where the number of negative eigenvalues changed.
+    """
+
+    states: list[State]
+    critical: list[Critical]
+
+
+def follow(
+    problem: Problem,
+    length: float,
+    stop: Callable[[State], bool],
+    start: State | None = None,
+    along: Floats | None = None,
+    most_steps: int = 200,
+    record: Callable[[State], None] | None = None,
+) -> Path:
+    """Follow a path by its arc length.
+
+    Parameters
+    ----------
+    length : float
+        First step: root mean square displacement of the nodes. Later steps adapt to the iterations needed.
+    stop : callable
+        Tells from a state whether to end there.
+    start : State, optional
+        The rest state if absent.
+    along : (unknowns,), optional
+        Direction of the first step, for a branch: the mode of a `Critical`.
+    record : callable, optional
+        Called with every converged state.
+
+    Raises
+    ------
+    SolveError
+        If steps become too short; `state` is the `Path` so far.
+    """
+    follower = PathFollower(problem)
+    state = problem.start() if start is None else start
+    path = Path([state], [])
+    step_length, before = length, None
+    last = Step(state, np.zeros(problem.reduction.basis.shape[1]))
+    first = None if along is None else problem.reduction.basis.T @ along
+    while len(path.states) <= most_steps and not (len(path.states) > 1 and stop(last.state)):
+        try:
+            step = follower.arc(last.state, step_length, before, first)
+        except SolveError as error:
+            step_length *= 0.5
+            if step_length < SHORTEST * length:
+                raise SolveError(
+                    f"the path cannot be followed beyond the load factor {last.state.factor:.6g}: {error}",
+                    state=path,
+                ) from error
+            continue
+        if step.state.negative != last.state.negative and first is None:
+            path.critical.append(follower.critical(last, step_length, before))
+        path.states.append(step.state)
+        if record is not None:
+            record(step.state)
+        before, last, first = step.moved, step, None
+        grow = float(np.clip(np.sqrt(GOOD / step.state.iterations), 0.5, 2.0))
+        step_length = float(np.clip(step_length * grow, SHORTEST * length, LONGEST * length))
+    return path

@@ -1,0 +1,150 @@
+"""A shell ready to solve: the scene's words turned into energy, loads and conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.material import rotated
+from kshell.mesh import quadratic
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import place
+from kshell.modelling import ModelChoice
+from kshell.on_chart import lifted, mesh_in_space
+from kshell.scene import Scene
+from kshell.section import Section, shell_section
+from kshell.shell.discretisation import USE_KOITER, KoiterDiscretisation
+from kshell.shell.held import require_held
+from kshell.shell.scene_loads import SceneLoads, apply_loads
+from kshell.shell.scene_supports import SceneSupports, apply_supports, hinge_edges
+from kshell.shell.section import Section as Stiffness
+from kshell.shell.shape_checks import shape_warnings
+
+Floats = NDArray[np.float64]
+
+# an angle between x and the normal below which the projection of x says little
+NEARLY_NORMAL = np.radians(10.0)
+
+
+class ShellProblem:
+    """A scene as a shell problem.
+
+    Parameters
+    ----------
+    scene : Scene
+    mesh : Mesh
+        Of the scene, as read.
+    choice : ModelChoice
+
+    Attributes
+    ----------
+    space : Mesh
+        The mesh in space.
+    discretisation : KoiterDiscretisation or ArgyrisDiscretisation
+    energy : StrainEnergy
+    load : (unknowns,)
+    reduction : Reduction
+
+    Raises
+    ------
+    InputError
+        If a support, load, material or thickness does not fit, or the shell is not held.
+    """
+
+    def __init__(self, scene: Scene, mesh: Mesh, choice: ModelChoice) -> None:
+        self.scene, self.choice = scene, choice
+        self.space = mesh_in_space(scene, mesh)
+        self.section: Section = shell_section(self.space, scene.thickness, scene.material, scene.layers)
+        hinges = hinge_edges(list(scene.supports), self.space)
+        self.discretisation = _discretise(scene, mesh, choice, hinges)
+        self.energy = self.discretisation.energy(self._stiffness())
+        self.supports: SceneSupports = apply_supports(list(scene.supports), self.space, self.discretisation)
+        self.loads: SceneLoads = apply_loads(
+            list(scene.loads), self.space, self.discretisation, self.energy, self.section
+        )
+        if self.loads.initial is not None:
+            self.energy.initial = self.loads.initial
+        self.load: Floats = np.sum([np.zeros(self.discretisation.unknowns), *self.loads.forces], axis=0)
+        self.reduction = self.supports.conditions.reduction()
+        self.springs: sp.csr_matrix | None = self.supports.springs
+        require_held(self.space, self.discretisation, self.reduction, self.springs)
+
+    def _stiffness(self) -> Stiffness:
+        """A, B, D of the triangles; where the thickness varies inside them, their means over the triangle."""
+        section, z = self.section, self.scene.offset
+        triangles = np.arange(len(self.space.triangles))
+        constant = not isinstance(self.scene.thickness, dict) and section.constant_per_triangle
+        points, weight = self.discretisation.interior_points(triangles[:1] if constant else triangles)
+        triangles = triangles[: len(points)]
+        weight = (weight / weight.sum(axis=1, keepdims=True))[..., None, None]
+        a = (weight * section.membrane(triangles, points)).sum(axis=1)
+        d = (weight * section.bending(triangles, points)).sum(axis=1)
+        b = section.coupling
+        return Stiffness.from_stiffness(
+            a, d + 2 * z * b + z * z * a, b + z * a, direction=self.scene.direction
+        )
+
+    def reasons(self) -> list[str]:
+        """Why this model, in words."""
+        out = [*self.choice.reasons, "linear: only small deflections are computed"]
+        if not self.section.constant_per_triangle:
+            out.append("thickness: the mean stiffness of each triangle is used")
+        return out
+
+    def warnings(self) -> list[str]:
+        """What the user should know about the model."""
+        out = [*self.supports.warnings, *self.loads.warnings]
+        out += shape_warnings(self.space, self.discretisation, self.section)
+        out += self._axes_warnings()
+        still = not np.any(self.load) and self.loads.initial is None
+        if still and not np.any(self.reduction.given):
+            out.append("there is no load and no prescribed motion: the deflection is zero")
+        return out
+
+    def _axes_warnings(self) -> list[str]:
+        """Material axes counted from the projection of x jump where x is nearly normal."""
+        directed = any(_depends_on_direction(q) for q in self.section.moduli)
+        if self.scene.direction is not None or not directed:
+            return []
+        mesh = self.space
+        corners = mesh.points[mesh.triangles]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[None]
+        if mesh.midpoints is not None:
+            normal = quadratic.normals(quadratic.node_points(mesh, mesh.midpoints), quadratic.NODES)
+        along = (np.abs(normal[..., 0]) / np.linalg.norm(normal, axis=2)).max(axis=0)
+        worst = int(np.argmax(along))
+        if along[worst] < np.cos(NEARLY_NORMAL):
+            return []
+        return [
+            f"material axes: x is nearly normal to the shell near {place(corners[worst].mean(axis=0))}, so its "
+            "projection, from which the angles of the material count, turns fast there; give a direction that is "
+            "never normal, for example direction = [0, 0, 1]"
+        ]
+
+
+def _depends_on_direction(q: Floats) -> bool:
+    """Whether a plane-stress stiffness (3, 3) is not isotropic: it changes when it is turned."""
+    return bool(
+        np.abs(rotated(q, 30.0) - q).max() + np.abs(rotated(q, 45.0) - q).max() > 1e-9 * np.abs(q).max()
+    )
+
+
+def _discretise(scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[np.integer]) -> Any:
+    if choice.element == "argyris":
+        from kshell.shell.argyris_discretisation import ArgyrisDiscretisation
+
+        if len(hinges):
+            raise InputError(f"support hinge: Argyris elements on a chart have no hinges: {USE_KOITER}")
+        return ArgyrisDiscretisation(mesh, scene.chart)
+    lift: Callable[[Floats], Floats] | None = None
+    if scene.chart is not None:
+
+        def lift(points: Floats) -> Floats:
+            return lifted(scene, points)
+
+    return KoiterDiscretisation(mesh, choice.order, lift, hinges)

@@ -1,0 +1,84 @@
+"""Forces and moments of the supports on the shell, group by group, and the check of equilibrium.
+
+What the unknowns lack to equilibrium, r = K x - f, is what supports exert. A node that several supports hold
+gives each of them the part in the directions that it holds; directions held twice are shared equally. The
+work of r on rigid motions is force and moment, without any differentiation of the solution.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import cg
+
+from kshell.shell.linear import LinearSolution
+from kshell.shell.scene_supports import SceneSupports
+from kshell.shell.supports import Reduction
+
+Floats = NDArray[np.float64]
+
+ORTHONORMAL = 1e-9
+
+
+def find_reactions(
+    discretisation: Any, supports: SceneSupports, solution: LinearSolution, loads: list[Floats]
+) -> tuple[dict[str, dict[str, Floats]], float]:
+    """Reactions per group, and the relative error of equilibrium.
+
+    Returns
+    -------
+    groups : dict of label to {"force" (3,), "moment" (3,) about the origin of the coordinates}
+    balance : float
+        What loads and reactions leave over, relative to the largest of them.
+    """
+    about_origin = discretisation.rigid_motions(np.zeros(3), 1.0)
+    centre, size = discretisation.extent()
+    scaled = discretisation.rigid_motions(centre, size)
+    parts = _shared(supports, solution.forces)
+    parts += [
+        (group.label, -(group.spring @ solution.x)) for group in supports.groups if group.spring is not None
+    ]
+    groups: dict[str, dict[str, Floats]] = {}
+    for label, forces in parts:
+        total = about_origin.T @ forces
+        entry = groups.setdefault(label, {"force": np.zeros(3), "moment": np.zeros(3)})
+        entry["force"] = entry["force"] + total[:3]
+        entry["moment"] = entry["moment"] + total[3:]
+    totals = [scaled.T @ forces for forces in [*loads, *(forces for _, forces in parts)]]
+    if not totals:
+        return groups, 0.0
+    gross = (
+        max(float(np.abs(load * np.abs(scaled[:, :3]).max(axis=1)).sum()) for load in loads) if loads else 0.0
+    )
+    largest = max(float(np.abs(totals).max()), gross, 1e-300)
+    return groups, float(np.abs(np.sum(totals, axis=0)).max() / largest)
+
+
+def _shared(supports: SceneSupports, forces: Floats) -> list[tuple[str, Floats]]:
+    held = [group for group in supports.groups if group.conditions is not None]
+    if not held:
+        return []
+    projectors = [_projector(group.conditions.reduction()) for group in held]
+    total = sum(projectors[1:], projectors[0]).tocsr()
+    multiplier = forces
+    if len(held) > 1:  # the share is P G^+ r; G has few different eigenvalues, so a handful of steps do
+        untouched = np.asarray(abs(total).sum(axis=1)).ravel() == 0.0
+        multiplier, _ = cg(total, np.where(untouched, 0.0, forces), rtol=1e-13, maxiter=200)
+    return [(group.label, p @ multiplier) for group, p in zip(held, projectors, strict=True)]
+
+
+def _projector(reduction: Reduction) -> sp.csr_matrix:
+    """Onto the directions that conditions hold; onto the unknowns they touch where the basis is not orthonormal."""
+    basis = reduction.basis.tocsr()
+    count = basis.shape[0]
+    gram = basis.T @ basis - sp.identity(basis.shape[1])
+    if abs(gram).max() < ORTHONORMAL:
+        out = sp.identity(count) - basis @ basis.T
+        out.data[np.abs(out.data) < ORTHONORMAL] = 0.0
+        out.eliminate_zeros()
+        return out.tocsr()
+    single = (np.diff(basis.indptr) == 1) & (np.asarray(abs(basis).sum(axis=1)).ravel() == 1.0)
+    return sp.diags((~single).astype(float)).tocsr()

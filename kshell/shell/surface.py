@@ -1,0 +1,258 @@
+"""The midsurface of order p: nodes, unknowns and the rest geometry on a mesh of triangles in space.
+
+Unknowns, in this order: three translations per node, then p rotations per edge, one at each of its Gauss
+points. The rotation turns the director of the edge about its tangent, which runs from the vertex of lower
+to that of higher index; all triangles at the edge share it, whether there are one, two or more.
+A hinge gives every triangle at the edge rotations of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kshell.elements.reference import VERTICES
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.shell.reference import (
+    EDGES,
+    ReferenceTriangle,
+    first_derivatives,
+    lagrange,
+    lattice,
+    reference_triangle,
+)
+from kshell.shell.vectors import cross, dot, norm
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+class Surface:
+    """Nodes and unknowns of order p on a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Order 1 or 2; mid-edge nodes give the curved geometry.
+    order : int
+        1, 2 or 3.
+    lift : callable, optional
+        Takes points (n, 3) of the mesh to the surface (n, 3): a chart of a mesh that lies in its
+        parameter plane, or a projection onto the exact surface.
+    hinges : (n,) int array, optional
+        Edges across which the sheets may turn freely.
+
+    Attributes
+    ----------
+    flat_nodes, nodes : (node, 3)
+        Nodes before and after `lift`.
+    triangle_nodes : (triangle, n) node of each Lagrange node of the reference triangle
+    edge_sign : (triangle, 3) +1 where the triangle walks the edge from the lower to the higher vertex
+    rotation_edge : (triangle, 3) number of the set of p rotations
+    rotation_owner : (rotation set,) the edge each set belongs to
+    unknowns : int
+    triangle_unknowns : (triangle, 3 n + 3 p)
+
+    Raises
+    ------
+    InputError
+        If the order is not 1, 2 or 3, or a triangle is degenerate or folds onto itself.
+    """
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        order: int,
+        lift: Callable[[Floats], Floats] | None = None,
+        hinges: ArrayLike = (),
+    ) -> None:
+        if order not in (1, 2, 3):
+            raise InputError(f"shell elements have order 1, 2 or 3, not {order}")
+        self.mesh = mesh
+        self.order = order
+        self.reference: ReferenceTriangle = reference_triangle(order)
+        self._number_nodes()
+        self._number_rotations(np.asarray(hinges, dtype=np.int64))
+        self.flat_nodes = self._flat_nodes()
+        self.nodes = self.flat_nodes if lift is None else np.asarray(lift(self.flat_nodes), dtype=float)
+        self._check()
+
+    def _number_nodes(self) -> None:
+        mesh, p = self.mesh, self.order
+        vertices, edges = len(mesh.points), len(mesh.edges)
+        triangles = len(mesh.triangles)
+        corner = mesh.triangles[:, EDGES]  # (triangle, edge, 2)
+        self.edge_sign = np.where(corner[..., 0] < corner[..., 1], 1, -1).astype(np.int8)
+
+        columns: list[NDArray[Any]] = [mesh.triangles[:, k] for k in range(3)]
+        for edge in range(3):
+            first = vertices + mesh.triangle_edges[:, edge].astype(np.int64) * (p - 1)
+            ahead = self.edge_sign[:, edge] > 0
+            columns += [first + np.where(ahead, k, p - 2 - k) for k in range(p - 1)]
+        inner = (p - 1) * (p - 2) // 2
+        start = vertices + edges * (p - 1)
+        columns += [start + np.arange(triangles) * inner + k for k in range(inner)]
+        self.triangle_nodes: Ints = np.stack(columns, axis=1).astype(np.int32)
+        self.node_count = start + triangles * inner
+
+    def _number_rotations(self, hinges: NDArray[np.int64]) -> None:
+        mesh, p = self.mesh, self.order
+        number = mesh.triangle_edges.astype(np.int64).copy()
+        owner = [np.arange(len(mesh.edges))]
+        hinged = np.isin(number, hinges)
+        # the first triangle found at a hinge keeps the number of the edge, the others get new ones
+        keeps = np.zeros_like(hinged)
+        keeps[mesh.edge_owner[:, 0], mesh.edge_owner[:, 1]] = True
+        extra = np.flatnonzero((hinged & ~keeps).ravel())
+        owner.append(number.ravel()[extra])
+        number.ravel()[extra] = len(mesh.edges) + np.arange(len(extra))
+        self.rotation_edge: Ints = number.astype(np.int32)
+        self.rotation_owner: Ints = np.concatenate(owner).astype(np.int32)
+
+        gauss = np.where(self.edge_sign[..., None] > 0, np.arange(p), np.arange(p)[::-1])
+        # (triangle, 3 p): place of the edge point among all rotations, edges walked by the triangle
+        self.triangle_rotations: Ints = (
+            (p * self.rotation_edge[..., None] + gauss).reshape(len(mesh.triangles), 3 * p).astype(np.int32)
+        )
+        self.rotation_start = 3 * self.node_count
+        self.unknowns = self.rotation_start + p * len(self.rotation_owner)
+        # component by component: all x of the nodes of the triangle, then y, then z
+        translations = (3 * self.triangle_nodes[:, None, :] + np.arange(3)[:, None]).reshape(
+            len(mesh.triangles), -1
+        )
+        self.triangle_unknowns: Ints = np.concatenate(
+            [translations, self.rotation_start + self.triangle_rotations], axis=1
+        ).astype(np.int32)
+
+    def _flat_nodes(self) -> Floats:
+        mesh, p = self.mesh, self.order
+        known = mesh.points[mesh.triangles]  # (triangle, node of the mesh, 3)
+        if mesh.midpoints is not None:
+            known = np.concatenate([known, mesh.midpoints[mesh.triangle_edges]], axis=1)
+        shape = lagrange(mesh.order, lattice(p))
+        nodes = np.empty((self.node_count, 3))
+        nodes[self.triangle_nodes] = np.einsum("nk,tkx->tnx", shape, known)
+        nodes[: len(mesh.points)] = mesh.points
+        return nodes
+
+    def _check(self) -> None:
+        if self.nodes.shape != (self.node_count, 3) or not np.all(np.isfinite(self.nodes)):
+            raise InputError(
+                f"{self.mesh.source}: the chart does not give a finite point for every node of the mesh"
+            )
+        x1, x2 = self.tangents(self.reference.first)
+        normal = cross(x1, x2)
+        middle = normal.mean(axis=2, keepdims=True)
+        least = np.min(dot(normal, middle), axis=1)
+        side = (
+            self.mesh.size
+            if self.nodes is self.flat_nodes
+            else float(np.linalg.norm(np.ptp(self.nodes, axis=0)))
+        )
+        longest = np.max(np.maximum(norm(x1), norm(x2)), axis=1)
+        bad = np.flatnonzero(
+            (least <= 0) | (norm(middle)[:, 0] <= 1e-12 * longest * max(longest.max(), 1e-6 * side))
+        )
+        if len(bad):
+            x, y, z = self.nodes[self.triangle_nodes[bad[0], :3]].mean(axis=0)
+            raise InputError(
+                f"{self.mesh.source}: {len(bad)} triangle(s) are degenerate or turned inside out, the first near "
+                f"({x:.6g}, {y:.6g}, {z:.6g}): straighten the mesh there or refine it"
+            )
+
+    def jets(self, field: Floats, tables: Floats, triangles: slice | NDArray = slice(None)) -> Floats:
+        """Derivatives of a nodal field at reference points.
+
+        Parameters
+        ----------
+        field : (node, 3)
+        tables : (d, point, n) derivatives of the Lagrange polynomials
+
+        Returns
+        -------
+        (d, 3, triangle, point). Differences within the triangle are taken first, so nothing is lost far
+        from the origin.
+        """
+        local = field[self.triangle_nodes[triangles]]  # (triangle, node, 3)
+        local = np.ascontiguousarray(np.moveaxis(local - local[:, :1], 2, 0))  # (3, triangle, node)
+        result = np.matmul(local.reshape(-1, local.shape[2]), tables.swapaxes(1, 2))
+        return result.reshape(len(tables), 3, -1, tables.shape[1])
+
+    def tangents(self, first: Floats, triangles: slice | NDArray = slice(None)) -> Floats:
+        """Tangent vectors X,1 and X,2 of the rest surface: (2, 3, triangle, point)."""
+        return self.jets(self.nodes, first, triangles)
+
+    @cached_property
+    def vertex_normals(self) -> Floats:
+        """(vertex, 3) unit normals, averaged over the triangles at the vertex by their angle there.
+
+        At folds and branches this is a mean that belongs to no sheet. It is zero where the mean vanishes.
+        """
+        x1, x2 = self.tangents(np.stack([self.corner_tables[0], self.corner_tables[1]]))
+        normal = cross(x1, x2)
+        normal /= norm(normal)
+        total = np.zeros((len(self.mesh.points), 3))
+        np.add.at(total, self.mesh.triangles, np.moveaxis(normal * self.corner_angles, 0, 2))
+        length = np.linalg.norm(total, axis=1, keepdims=True)
+        return np.divide(total, length, out=np.zeros_like(total), where=length > 1e-9)
+
+    @cached_property
+    def corner_tables(self) -> Floats:
+        """(2, 3, n) derivatives of the Lagrange polynomials at the corners."""
+        return first_derivatives(self.order, VERTICES)
+
+    @cached_property
+    def corner_angles(self) -> Floats:
+        """(triangle, 3) angle of the triangle at each corner, between its straight edges."""
+        x = self.nodes[self.mesh.triangles]
+        angles = np.empty(self.mesh.triangles.shape)
+        for k in range(3):
+            a, b = x[:, (k + 1) % 3] - x[:, k], x[:, (k + 2) % 3] - x[:, k]
+            angles[:, k] = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
+        return angles
+
+    @cached_property
+    def area_elements(self) -> Floats:
+        """(triangle, q) area of the rest surface per area of the reference triangle at the interior points."""
+        return norm(cross(*self.tangents(self.reference.first)))
+
+    @cached_property
+    def edge_stretch(self) -> Floats:
+        """(triangle, 3 p) length of the rest edge per unit of its parameter, at its Gauss points."""
+        return norm(self.edge_tangents)
+
+    @cached_property
+    def edge_tangents(self) -> Floats:
+        """(3, triangle, 3 p) tangent of the edges as the triangle walks them, at the Gauss points."""
+        x1, x2 = self.tangents(self.reference.edge_first)
+        t = self.reference.edge_tangents
+        return x1 * t[:, 0] + x2 * t[:, 1]
+
+    def nodes_of_edges(self, edges: ArrayLike) -> Ints:
+        """Nodes on edges, sorted, without repetition."""
+        edges = np.asarray(edges, dtype=np.int64)
+        vertices, p = len(self.mesh.points), self.order
+        between = vertices + edges[:, None] * (p - 1) + np.arange(p - 1)
+        return np.unique(np.concatenate([self.mesh.edges[edges].ravel(), between.ravel()])).astype(np.int32)
+
+    def nodes_of_triangles(self, triangles: ArrayLike) -> Ints:
+        """Nodes of triangles, sorted, without repetition."""
+        return np.unique(self.triangle_nodes[np.asarray(triangles, dtype=np.int64)])
+
+    def rotations_of_edges(self, edges: ArrayLike) -> Ints:
+        """Unknown numbers of the rotations of edges, all sets at a hinge."""
+        sets = np.flatnonzero(np.isin(self.rotation_owner, edges))
+        return (
+            (self.rotation_start + self.order * sets[:, None] + np.arange(self.order))
+            .ravel()
+            .astype(np.int32)
+        )
+
+    def split(self, x: Floats) -> tuple[Floats, Floats]:
+        """Translations (node, 3) and rotations (rotation set, p) of a vector of unknowns."""
+        return x[: self.rotation_start].reshape(-1, 3), x[self.rotation_start :].reshape(-1, self.order)
