@@ -3,6 +3,8 @@
 `python -m verification.failures` prints the numbers and draws the pictures anew.
 """
 
+from functools import cache
+
 from verification.failures import (
     conditioning,
     corners,
@@ -13,7 +15,7 @@ from verification.failures import (
     poisson,
     thin_triangles,
 )
-from verification.failures.failure import Failure
+from verification.failures.failure import Failure, Numbers
 
 GALLERY: dict[str, Failure] = {
     module.FAILURE.id: module.FAILURE
@@ -29,4 +31,11 @@ GALLERY: dict[str, Failure] = {
     )
 }
 
-__all__ = ["GALLERY", "Failure"]
+
+@cache
+def measured(id: str, quick: bool) -> Numbers:
+    """The numbers of an entry, measured once."""
+    return GALLERY[id].measure(quick)
+
+
+__all__ = ["GALLERY", "Failure", "measured"]

@@ -12,7 +12,8 @@ from pathlib import Path
 
 FOLDER = Path(__file__).parent
 # pictures small enough for the repository
-SETUP = "%config InlineBackend.figure_formats = ['png']\n%config InlineBackend.rc = {'figure.dpi': 66}"
+SETUP = "%matplotlib inline\n"
+SETUP += "%config InlineBackend.figure_formats = ['png']\n%config InlineBackend.rc = {'figure.dpi': 66}"
 
 
 def cells_of(script: str) -> list[tuple[str, str]]:

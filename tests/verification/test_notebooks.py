@@ -1,0 +1,54 @@
+"""The notebooks on plates: they run, and what is committed is what the scripts make."""
+
+import json
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+
+import verification.notebooks.make as making
+
+FOLDER = Path(making.__file__).parent
+PICTURES = {"plates": 4, "supports": 4, "materials": 3, "failures": 8}
+QUICK = {
+    "quick = False": "quick = True",
+    "sizes = (4, 8, 16, 32)": "sizes = (4, 8)",
+    "sizes = (2, 3, 4, 6, 8)": "sizes = (2, 4)",
+}
+SAYS = {
+    "plates": ("reference   0.004062352661", "6 layers: w = 0.0115"),
+    "supports": ("CCCC: largest deflection 0.001265", "true curve"),
+    "materials": ("material.crossply.sinus.ba1", "layers"),
+    "failures": ("Babuska", "moment over it", "valence 6"),
+}
+
+
+def cells(name):
+    return making.cells_of((FOLDER / f"{name}.py").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_the_notebook_belongs_to_its_script_and_kept_its_outputs(name):
+    notebook = json.loads((FOLDER / f"{name}.ipynb").read_text(encoding="utf-8"))
+    assert [(cell["cell_type"], "".join(cell["source"])) for cell in notebook["cells"]] == cells(name)
+    outputs = [output for cell in notebook["cells"] for output in cell.get("outputs", [])]
+    assert not [output for output in outputs if output["output_type"] == "error"]
+    assert sum("image/png" in output.get("data", {}) for output in outputs) >= PICTURES[name]
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_every_cell_runs_in_the_quick_setting(name, monkeypatch, capsys):
+    import matplotlib.pyplot as plt
+
+    mpl.use("Agg")
+    monkeypatch.setattr(plt, "show", lambda: None)
+    names = {}
+    for kind, source in cells(name):
+        if kind == "code":
+            for full, quick in QUICK.items():
+                source = source.replace(full, quick)
+            exec(compile(source, f"{name}.py", "exec"), names)
+            plt.close("all")
+    printed = capsys.readouterr().out
+    for words in SAYS[name]:
+        assert words in printed

@@ -1,0 +1,78 @@
+# %% [markdown]
+# # Where methods fail
+#
+# An honest gallery: where plate elements, meshes, materials and arithmetic give out, by how much, and what kshell does
+# about it. Every statement is pinned by a test in `tests/verification/test_failures.py`; the modules are in
+# `verification/failures`. Made from `failures.py` by `python -m verification.notebooks.make failures`.
+
+# %%
+import textwrap
+
+from verification.failures import GALLERY, measured
+from verification.failures.failure import text_table
+
+quick = False
+
+
+def show(id):
+    entry = GALLERY[id]
+    numbers = measured(id, quick)
+    for words in (f"What fails.  {entry.what}", f"What kshell does.  {entry.kshell}"):
+        print(textwrap.fill(words, 110), end="\n\n")
+    print(text_table(numbers))
+    return entry.draw(numbers)
+
+
+# %% [markdown]
+# ## Far from the origin
+
+# %%
+_ = show("origin")
+
+# %% [markdown]
+# ## Simple support on curved edges
+#
+# On a polygon $w = 0$ along two directions at a corner makes $\nabla w = 0$ there. However many corners, the limit
+# remembers them: $3/64$ for every $\nu$, where the disk has $(5+\nu)/(1+\nu)/64$.
+
+# %%
+_ = show("curved_support")
+
+# %% [markdown]
+# ## Thin triangles
+
+# %%
+_ = show("thin_triangles")
+
+# %% [markdown]
+# ## Singular corners
+#
+# Near a corner of angle $\omega$ the deflection is $r^{s}$: $s = \pi/\omega$ between simply supported edges, here
+# $6/5$ at $150°$; $s = 1.544$ between clamped ones at $270°$. Energies converge like $h^{2(s-1)}$.
+
+# %%
+_ = show("corners")
+
+# %% [markdown]
+# ## Poisson's ratio at its limits
+
+# %%
+_ = show("poisson")
+
+# %% [markdown]
+# ## The last digit
+
+# %%
+_ = show("conditioning")
+
+# %% [markdown]
+# ## Supports at points
+
+# %%
+_ = show("point_supports")
+
+# %% [markdown]
+# ## Curvature of triangulations
+
+# %%
+_ = show("discrete_curvature")
