@@ -161,19 +161,6 @@ def _in_frame(
     )
 
 
-def von_mises(stress: Floats) -> Floats:
-    """Equivalent stress of plane stress (..., 3): (...)."""
-    s11, s22, s12 = np.moveaxis(stress, -1, 0)
-    return np.sqrt(s11**2 - s11 * s22 + s22**2 + 3 * s12**2)
-
-
-def principal(tensor: Floats) -> tuple[Floats, Floats]:
-    """Principal values (..., 2), the larger first, and the angle (...) of its axis from e_1, of tensors (..., 3)."""
-    t11, t22, t12 = np.moveaxis(tensor, -1, 0)
-    middle, radius = 0.5 * (t11 + t22), np.hypot(0.5 * (t11 - t22), t12)
-    return np.stack([middle + radius, middle - radius], axis=-1), 0.5 * np.arctan2(2 * t12, t11 - t22)
-
-
 def displacement(surface: Surface, x: Floats, points: ArrayLike, triangles: NDArray) -> tuple[Floats, Floats]:
     """Displacement and small rotation vector at reference points: both (triangle, point, 3).
 
