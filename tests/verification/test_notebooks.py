@@ -18,7 +18,7 @@ QUICK = {
 SAYS = {
     "plates": ("reference   0.004062352661", "6 layers: w = 0.0115"),
     "supports": ("CCCC: largest deflection 0.001265", "true curve"),
-    "materials": ("material.crossply.sinus.ba1", "layers"),
+    "materials": ("material.crossply.sinus.ba1", "Eliminating the stress"),
     "failures": ("Babuska", "moment over it", "valence 6"),
 }
 

@@ -137,7 +137,10 @@ class Case:
     @property
     def quick_runs(self) -> tuple[Run, ...]:
         """The first run of each element."""
-        return tuple({run.element: run for run in reversed(self.runs)}.values())
+        first: dict[str, Run] = {}
+        for run in self.runs:
+            first.setdefault(run.element, run)
+        return tuple(first.values())
 
     def solve(self, run: Run) -> ks.Result:
         """The result on one mesh with one element."""
