@@ -157,14 +157,14 @@ def whole_program() -> tuple[int, float]:
             "edge",
             "--pressure",
             "1000",
-            "--set",
-            "solve.element=morley",
+            "--element",
+            "morley",
             "-o",
             f"{folder}/out",
         ]
         begin = time.perf_counter()
         subprocess.run(
-            [sys.executable, "-c", "from kshell.cli import main; main()", *words],
+            [sys.executable, "-m", "kshell", *words],
             check=True,
             capture_output=True,
         )
