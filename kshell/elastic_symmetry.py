@@ -19,14 +19,13 @@ Source: Nye, Physical Properties of Crystals, 1985, table 9; Ting, Anisotropic E
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.elasticity import ENGINEERING, PAIRS
 from kshell.errors import InputError
-from kshell.material import Anisotropic
 
 Floats = NDArray[np.float64]
 
@@ -124,8 +123,7 @@ def stiffness(kind: str, **constants: float) -> Floats:
         parts = made.get(c, {c: 1.0})
         i, j = int(c[1]) - 1, int(c[2]) - 1
         C[i, j] = C[j, i] = sum(factor * constants.get(part, 0.0) for part, factor in parts.items())
-    Anisotropic(C=C)  # refuses what is not finite or not positive definite
-    return C
+    return stiffness_matrix(C)
 
 
 def strain_rotation(rotation: ArrayLike) -> Floats:
@@ -181,7 +179,7 @@ def symmetry(C: ArrayLike, tolerance: float = 1e-8) -> Symmetry:
     given = np.asarray(C, dtype=np.float64)
     if given.shape != (6, 6):
         raise InputError(f"the stiffness must be 6x6, not of shape {given.shape}")
-    Anisotropic(C=given)
+    stiffness_matrix(given)
     to_z = {"z": np.eye(3), "x": about("y", np.pi / 2), "y": about("x", -np.pi / 2)}
     for kind, turns in GENERATORS:
         for axis in ("z", "x", "y") if kind in WITH_AXIS else ("z",):
@@ -190,3 +188,41 @@ def symmetry(C: ArrayLike, tolerance: float = 1e-8) -> Symmetry:
             if max(changes) <= tolerance * np.abs(given).max():
                 return Symmetry(kind, axis if kind in WITH_AXIS else None)
     return Symmetry("triclinic", None)
+
+
+def stiffness_matrix(given: Any) -> Floats:
+    """A (6, 6) or (3, 3) stiffness as an array, exactly symmetric.
+
+    Raises
+    ------
+    InputError
+        If it is no such matrix, not finite, not symmetric or not positive definite.
+    """
+    try:
+        C = np.array(given, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"material: C = {given!r} is not a matrix of numbers: give 6 rows of 6, or 3 of 3"
+        ) from None
+    if C.shape not in ((6, 6), (3, 3)):
+        raise InputError(f"material: C has the shape {C.shape}: it must be 6 x 6, or 3 x 3 in plane stress")
+    if not np.isfinite(C).all():
+        row, column = np.argwhere(~np.isfinite(C))[0] + 1
+        raise InputError(f"material: C{row}{column} = {C[row - 1, column - 1]:g} must be a finite number")
+    lopsided = np.abs(C - C.T)
+    if lopsided.max() > 1e-9 * np.abs(C).max():
+        row, column = np.unravel_index(lopsided.argmax(), C.shape)
+        raise InputError(
+            f"material: C is not symmetric: C{row + 1}{column + 1} = {C[row, column]:g} but "
+            f"C{column + 1}{row + 1} = {C[column, row]:g}"
+        )
+    C = 0.5 * (C + C.T)
+    eigenvalues, vectors = np.linalg.eigh(C)
+    if eigenvalues[0] <= 1e-12 * np.abs(eigenvalues).max():
+        order = "xx yy zz yz xz xy" if len(C) == 6 else "xx yy xy"
+        strain = ", ".join(f"{v:.3g}" for v in vectors[:, 0])
+        raise InputError(
+            f"material: C is not positive definite: its eigenvalue {eigenvalues[0]:.4g} must be > 0 "
+            f"(the strain {order} = {strain} would cost no energy): check the constants and their order"
+        )
+    return C

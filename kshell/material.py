@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.elastic_constants import elastic_constants, require_positive
+from kshell.elastic_symmetry import stiffness, stiffness_matrix
 from kshell.errors import InputError
 from kshell.validation import Number, described
 
@@ -179,7 +180,7 @@ class Anisotropic:
     _stiffness: Any = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:
-        matrix = _stiffness_matrix(self.C)
+        matrix = stiffness_matrix(self.C)
         object.__setattr__(self, "C", tuple(map(tuple, matrix.tolist())))  # comparable and immutable
         object.__setattr__(self, "_stiffness", matrix)
         _require_density(self.density)
@@ -190,8 +191,6 @@ class Anisotropic:
 
         The distinguished axis is z, the normal of the plate; see `kshell.elastic_symmetry.CLASSES`.
         """
-        from kshell.elastic_symmetry import stiffness
-
         return cls(C=stiffness(kind, **constants), density=density, angle=angle)
 
     @classmethod
@@ -220,37 +219,6 @@ class Anisotropic:
             p, n = [0, 1, 5], [2, 3, 4]
             C = C[np.ix_(p, p)] - C[np.ix_(p, n)] @ np.linalg.solve(C[np.ix_(n, n)], C[np.ix_(n, p)])
         return rotated(C, self.angle)
-
-
-def _stiffness_matrix(given: Any) -> Floats:
-    try:
-        C = np.array(given, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(
-            f"material: C = {given!r} is not a matrix of numbers: give 6 rows of 6, or 3 of 3"
-        ) from None
-    if C.shape not in ((6, 6), (3, 3)):
-        raise InputError(f"material: C has the shape {C.shape}: it must be 6 x 6, or 3 x 3 in plane stress")
-    if not np.isfinite(C).all():
-        row, column = np.argwhere(~np.isfinite(C))[0] + 1
-        raise InputError(f"material: C{row}{column} = {C[row - 1, column - 1]:g} must be a finite number")
-    lopsided = np.abs(C - C.T)
-    if lopsided.max() > 1e-9 * np.abs(C).max():
-        row, column = np.unravel_index(lopsided.argmax(), C.shape)
-        raise InputError(
-            f"material: C is not symmetric: C{row + 1}{column + 1} = {C[row, column]:g} but "
-            f"C{column + 1}{row + 1} = {C[column, row]:g}"
-        )
-    C = 0.5 * (C + C.T)
-    eigenvalues, vectors = np.linalg.eigh(C)
-    if eigenvalues[0] <= 1e-12 * np.abs(eigenvalues).max():
-        order = "xx yy zz yz xz xy" if len(C) == 6 else "xx yy xy"
-        strain = ", ".join(f"{v:.3g}" for v in vectors[:, 0])
-        raise InputError(
-            f"material: C is not positive definite: its eigenvalue {eigenvalues[0]:.4g} must be > 0 "
-            f"(the strain {order} = {strain} would cost no energy): check the constants and their order"
-        )
-    return C
 
 
 def _require_density(density: float) -> None:

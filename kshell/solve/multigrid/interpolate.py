@@ -12,6 +12,7 @@ from kshell.solve.multigrid.hct import interpolation_weights
 from kshell.solve.system import Floats, Ints
 
 OUTSIDE = -0.5  # a barycentric coordinate below this: too far outside to extrapolate a cubic
+NEAR = -0.05  # a barycentric coordinate below this: look further afield first
 FLAT = 0.05  # height / longest side below which a triangle is a last resort
 PENALTY = 0.25  # of a flat triangle, or of one on the softer side of an interface, as barycentric coordinate
 
@@ -90,7 +91,8 @@ def split_rows(matrix: Any) -> Any:
 def locate(fine: Cloud, coarsening: Coarsening, vertices: Ints) -> Ints:
     """The coarse triangle at its region that holds each vertex best, -1 where there is none near enough.
 
-    Triangles at the vertex's own coarse vertex only: across a slit there are none, however near they are.
+    Triangles at the vertex's own coarse vertex, or at a neighbour of that: across a slit there are none, however
+    near they are.
     """
     coarse = coarsening.cloud
     count = np.bincount(coarse.triangles.ravel(), minlength=len(coarse.points))
@@ -112,18 +114,30 @@ def locate(fine: Cloud, coarsening: Coarsening, vertices: Ints) -> Ints:
 
     best = np.full(len(vertices), -1)
     score = np.full(len(vertices), OUTSIDE)
-    first, many = pointer[coarsening.region[vertices]], count[coarsening.region[vertices]]
     own = None if fine.vertex_stiffness is None else fine.vertex_stiffness[vertices] / STIFFNESS_JUMP
-    for slot in range(int(many.max(initial=0))):
-        here = np.flatnonzero(many > slot)
-        t = star[first[here] + slot]
-        x = fine.points[vertices[here]] - corner[t, 0]
-        u = inverse[t, 0] * x[:, 0] + inverse[t, 1] * x[:, 1]
-        v = inverse[t, 2] * x[:, 0] + inverse[t, 3] * x[:, 1]
-        value = np.minimum(np.minimum(np.minimum(u, v), 1.0 - u - v), 0.0) - penalty[t]
-        if own is not None and coarse.stiffness is not None:
-            value -= np.where(coarse.stiffness[t] < own[here], PENALTY, 0.0)
-        better = value > score[here]
-        score[here[better]] = value[better]
-        best[here[better]] = t[better]
+
+    def search(which: Ints, start: Ints) -> None:
+        """Look through the triangles at a coarse vertex for each of some vertices."""
+        first, many = pointer[start], count[start]
+        for slot in range(int(many.max(initial=0))):
+            here = np.flatnonzero(many > slot)
+            t, v = star[first[here] + slot], which[here]
+            x = fine.points[vertices[v]] - corner[t, 0]
+            lam1 = inverse[t, 0] * x[:, 0] + inverse[t, 1] * x[:, 1]
+            lam2 = inverse[t, 2] * x[:, 0] + inverse[t, 3] * x[:, 1]
+            value = np.minimum(np.minimum(np.minimum(lam1, lam2), 1.0 - lam1 - lam2), 0.0) - penalty[t]
+            if own is not None and coarse.stiffness is not None:
+                value -= np.where(coarse.stiffness[t] < own[v], PENALTY, 0.0)
+            better = value > score[v]
+            score[v[better]] = value[better]
+            best[v[better]] = t[better]
+
+    region = coarsening.region[vertices]
+    search(np.arange(len(vertices)), region)
+    # where merging left a flat triangle on a line, the right one is at a neighbour of the coarse vertex
+    outside = np.flatnonzero((score < NEAR) & (count[region] > 0))
+    around = star[pointer[region[outside]]] if len(outside) else outside
+    around = np.where(best[outside] >= 0, best[outside], around)
+    for k in range(3):
+        search(outside, coarse.triangles[around, k])
     return best
