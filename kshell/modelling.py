@@ -67,6 +67,11 @@ def choose_model(scene: Scene, mesh: Mesh, options: SolveOptions) -> ModelChoice
     kind, why = _kind(scene, mesh, options)
     if kind == "plate":
         return ModelChoice("plate", options.element, 0, (why,))
+    if options.element == "argyris" and scene.chart is None:
+        raise InputError(
+            'element = "argyris" takes a shell on a chart only (key chart, with the mesh in its parameter plane): '
+            'leave element out, or take "koiter"'
+        )
     if scene.chart is not None and options.order == "auto" and options.element in ("auto", "argyris"):
         return _on_chart(scene, mesh, options, why)
     order, reason = _order(scene, mesh, options)

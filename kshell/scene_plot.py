@@ -6,6 +6,7 @@ forces in the plane are arrows. The legend says what each sign means.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -240,8 +241,8 @@ def _polygons(axes: Axes, corners: Floats, colour: str, **style: Any) -> None:
     )
 
 
-def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
-    """Axis 1 of every direction-dependent material, as a line through the middle of the plate."""
+def material_axes(scene: Scene) -> Iterator[tuple[str, float, str]]:
+    """For every direction of direction-dependent materials: words, the angle in degrees, and a style of line."""
     layers = (
         [(scene.material, 0.0)] if scene.layers is None else [(p.material, p.angle) for p in scene.layers]
     )
@@ -249,11 +250,16 @@ def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
     for number, (material, turned) in enumerate(layers, start=1):
         if hasattr(material, "angle"):
             numbers.setdefault((material.angle + turned) % 180.0, []).append(str(number))
-    centre = 0.5 * (mesh.points[:, :2].min(axis=0) + mesh.points[:, :2].max(axis=0))
     for (angle, which), style in zip(numbers.items(), cycle(("-", "--", "-.", ":")), strict=False):
-        half = 0.1 * mesh.size * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
         whose = "" if scene.layers is None else f" of layer {', '.join(which)}"
-        label = f"material axis 1{whose}: {angle:g} degrees"
+        yield f"material axis 1{whose}: {angle:g} degrees", angle, style
+
+
+def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
+    """Axis 1 of every direction-dependent material, as a line through the middle of the plate."""
+    centre = 0.5 * (mesh.points[:, :2].min(axis=0) + mesh.points[:, :2].max(axis=0))
+    for label, angle, style in material_axes(scene):
+        half = 0.1 * mesh.size * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
         axes.plot(
             *np.stack([centre - half, centre + half]).T,
             color="#e67e22",

@@ -11,7 +11,8 @@ from kshell.loads import Load
 from kshell.mesh import Mesh, Selection, select
 from kshell.places import on_words
 from kshell.plot import FEW_TRIANGLES, colour_bar, colours, flat_triangles
-from kshell.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount
+from kshell.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes
+from kshell.shell.frames import plane_tangents, tangent_frame
 from kshell.supports import Support
 from kshell.vtu import at_nodes
 
@@ -26,6 +27,7 @@ Floats = NDArray[np.float64]
 LARGEST_SHOWN = 0.1  # of the size of the shell: the largest displacement as drawn
 VIEW = {"elev": 28.0, "azim": -58.0}
 SIGNS = 12  # about this many arrows of one load
+MANY_FACES = 5_000
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 
 
@@ -69,8 +71,8 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
     norm = Normalize(style["vmin"], style["vmax"] if style["vmax"] > style["vmin"] else style["vmin"] + 1.0)
     image = ScalarMappable(norm, colormaps[style["cmap"]])
     figure, axes = _figure(result.title, np.concatenate([rest, nodes]))
-    corners = nodes[triangles]
-    faces = image.to_rgba(values[triangles].mean(axis=1))
+    corners, shades = _smoothed(nodes[triangles], values[triangles])
+    faces = image.to_rgba(shades)
     faces[:, :3] *= _shade(corners)[:, None]
     axes.add_collection3d(
         Poly3DCollection(corners, facecolors=faces, edgecolors=faces, linewidths=0.2, rasterized=True)
@@ -123,6 +125,7 @@ def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figu
             _draw_support(axes, mesh, nodes, support)
         for load in scene.loads:
             _draw_load(axes, mesh, nodes, load)
+        _draw_material_axes(axes, mesh, scene)
         for name, point in scene.probes.items():
             axes.plot(*np.array(point)[:, None], marker="+", color="black", markersize=9, linestyle="")
             axes.text(*point, f"  {name}", fontsize=9)
@@ -153,6 +156,21 @@ def _figure(title: str, nodes: Floats) -> tuple[Figure, Any]:
     if title:
         axes.set_title(title, wrap=True)
     return figure, axes
+
+
+def _smoothed(corners: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Triangles cut into four until there are many, so that one colour for each looks smooth: corners, values."""
+    while 4 * len(corners) <= MANY_FACES:
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        corners = np.concatenate([np.stack(part, axis=1) for part in parts])
+        u, v, w = values.T
+        uv, vw, wu = 0.5 * (u + v), 0.5 * (v + w), 0.5 * (w + u)
+        values = np.concatenate(
+            [np.stack(part, axis=1) for part in ((u, uv, wu), (uv, v, vw), (wu, vw, w), (uv, vw, wu))]
+        )
+    return corners, values.mean(axis=1)
 
 
 def _shade(corners: Floats) -> Floats:
@@ -246,3 +264,17 @@ def _places(mesh: Mesh, nodes: Floats, chosen: Selection) -> tuple[Floats, Float
     some = order[first]
     normal = np.cross(corners[some, 1] - corners[some, 0], corners[some, 2] - corners[some, 0])
     return centres[some], normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def _draw_material_axes(axes: Any, mesh: Mesh, scene: Scene) -> None:
+    """Axis 1 of every direction-dependent material, as lines on the surface."""
+    every = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
+    points, normals = _places(mesh, mesh.points, every)
+    tangents = np.stack(plane_tangents(normals.T))
+    e1, e2, _ = tangent_frame(tangents, None if scene.direction is None else np.array(scene.direction))
+    for label, angle, style in material_axes(scene):
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        half = 0.03 * mesh.size * (c * e1 + s * e2).T
+        for start, end in zip(points - half, points + half, strict=True):
+            axes.plot(*np.stack([start, end]).T, color="#e67e22", linewidth=2.0, linestyle=style, zorder=6)
+        axes.plot([], [], [], color="#e67e22", linewidth=2.0, linestyle=style, label=label)

@@ -11,10 +11,14 @@ from kshell.errors import InputError
 from kshell.mesh.build import build, reversed_triangles
 from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.order import in_spatial_order
 from kshell.mesh.orient import to_reverse
 from kshell.mesh.words import count, nearest_name
 
 GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs")
+
+
+LARGE = 50_000  # vertices of a file from which on they are put in spatial order
 
 
 def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | None = None) -> Mesh:
@@ -28,6 +32,10 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
         Edge length wanted everywhere, for geometry files only; absent: the sizes the file itself gives.
     mesh_order : 1 or 2, optional
         For geometry files only; absent: what the file itself gives.
+
+    Notes
+    -----
+    Vertices keep the order of the source, except that files of more than 50,000 are put in spatial order.
 
     Raises
     ------
@@ -54,14 +62,19 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
     if is_geometry:
         from kshell.mesh.geometry_file import read_geometry
 
-        return build(read_geometry(path, mesh_size, mesh_order))
+        return _quick_to_walk(build(read_geometry(path, mesh_size, mesh_order)))
     if path.suffix.lower() == ".msh" or _begins_like_gmsh(path):
         from kshell.mesh.gmsh_file import read_gmsh
 
-        return build(read_gmsh(path))
+        return _quick_to_walk(build(read_gmsh(path)))
     from kshell.mesh.foreign import read_foreign
 
-    return build(read_foreign(path))
+    return _quick_to_walk(build(read_foreign(path)))
+
+
+def _quick_to_walk(mesh: Mesh) -> Mesh:
+    """Large meshes from files in spatial order, which makes all that follows faster; others as they are."""
+    return in_spatial_order(mesh)[0] if len(mesh.points) > LARGE else mesh
 
 
 def facing_up(mesh: Mesh) -> Mesh:

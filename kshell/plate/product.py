@@ -10,6 +10,7 @@ and the products are as accurate as the curvatures.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from kshell.plate.assembly import assemble
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
 
-Floats = NDArray[np.float64]
+Floats = NDArray[np.floating[Any]]
 
 
 def strain_product(problem: PlateProblem) -> Callable[[Floats], Floats]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.section import Section
-from kshell.shell.frames import tangent_frame
+from kshell.shell.frames import plane_tangents, tangent_frame
 from kshell.shell.locate import Locator
 from kshell.shell.recovery import Resultants
 from kshell.shell.reference import VERTICES
@@ -192,12 +192,4 @@ def _in_frame(spatial: Floats, axes: Floats) -> Floats:
 def _frame(normal: Floats) -> Floats:
     """Frames (..., 3, 3), rows e_1, e_2, n, on planes with normals (..., 3) of any length."""
     n = np.moveaxis(normal / np.linalg.norm(normal, axis=-1, keepdims=True), -1, 0)
-    # any two tangents whose cross product is the normal
-    helper = np.where(np.abs(n[0]) < 0.9, 1.0, 0.0)
-    first = np.cross(np.stack([helper, 1.0 - helper, np.zeros_like(helper)], axis=-1), np.moveaxis(n, 0, -1))
-    second = np.cross(np.moveaxis(n, 0, -1), first)
-    return np.moveaxis(
-        np.stack(tangent_frame(np.stack([np.moveaxis(first, -1, 0), np.moveaxis(second, -1, 0)]))),
-        (0, 1),
-        (-2, -1),
-    )
+    return np.moveaxis(np.stack(tangent_frame(np.stack(plane_tangents(n)))), (0, 1), (-2, -1))

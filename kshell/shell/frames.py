@@ -91,3 +91,11 @@ def covariant_to_frame(f: Floats) -> Floats:
     result = contravariant_to_frame(h)
     result[2] *= 2
     return result
+
+
+def plane_tangents(normal: Floats) -> tuple[Floats, Floats]:
+    """Any two tangents, each (3, ...), whose cross product points along unit normals (3, ...)."""
+    across = np.abs(normal[0]) < 0.9
+    zero = np.zeros_like(normal[0])
+    first = cross(np.stack([np.where(across, 1.0, 0.0), np.where(across, 0.0, 1.0), zero]), normal)
+    return first, cross(normal, first)

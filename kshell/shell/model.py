@@ -23,6 +23,8 @@ from kshell.shell.scene_reactions import find_reactions
 Floats = NDArray[np.float64]
 
 UNBALANCED = 1e-6
+# strain energy against that of stretching by all of the displacement, far below the thinnest shell in bending
+NO_STRAIN = 1e-18
 FRAME = "projection of global x (of y where x is normal) on the tangent plane"
 
 
@@ -85,6 +87,10 @@ def _recover(scene: Scene, problem: ShellProblem, solution: LinearSolution) -> R
     recovery = discretisation.recovery(problem.energy, solution.x)
     fields = ShellFields(problem.space, recovery, problem.section, scene.offset, *discretisation.patches())
     groups, balance = find_reactions(discretisation, problem.supports, solution, problem.loads.forces)
+    energies = _energies(problem, recovery, solution)
+    stretch = problem.energy.section.membrane.max() * np.abs(solution.x).max() ** 2
+    if sum(energies.values()) <= NO_STRAIN * stretch:
+        balance = 0.0  # moved along without strain: all forces are rounding
     warnings = problem.warnings()
     if balance > UNBALANCED:
         warnings.append(
@@ -93,7 +99,6 @@ def _recover(scene: Scene, problem: ShellProblem, solution: LinearSolution) -> R
         )
     probes, probe_warnings = probe_values(scene.probes, fields.at, problem.space, "shell")
     vertex_fields = fields.vertex_fields
-    energies = _energies(problem, recovery, solution)
     error = no_error_estimate()
     error["budget"]["algebra"] = solution.corrections[-1] if len(solution.corrections) > 1 else 0.0
     return Result(

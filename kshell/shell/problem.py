@@ -9,7 +9,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.material import rotated
+from kshell.mesh import quadratic
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import place
 from kshell.modelling import ModelChoice
 from kshell.on_chart import lifted, mesh_in_space
 from kshell.scene import Scene
@@ -22,6 +25,9 @@ from kshell.shell.section import Section as Stiffness
 from kshell.shell.shape_checks import shape_warnings
 
 Floats = NDArray[np.float64]
+
+# an angle between x and the normal below which the projection of x says little
+NEARLY_NORMAL = np.radians(10.0)
 
 
 class ShellProblem:
@@ -93,10 +99,38 @@ class ShellProblem:
         """What the user should know about the model."""
         out = [*self.supports.warnings, *self.loads.warnings]
         out += shape_warnings(self.space, self.discretisation, self.section)
+        out += self._axes_warnings()
         still = not np.any(self.load) and self.loads.initial is None
         if still and not np.any(self.reduction.given):
             out.append("there is no load and no prescribed motion: the deflection is zero")
         return out
+
+    def _axes_warnings(self) -> list[str]:
+        """Material axes counted from the projection of x jump where x is nearly normal."""
+        directed = any(_depends_on_direction(q) for q in self.section.moduli)
+        if self.scene.direction is not None or not directed:
+            return []
+        mesh = self.space
+        corners = mesh.points[mesh.triangles]
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[None]
+        if mesh.midpoints is not None:
+            normal = quadratic.normals(quadratic.node_points(mesh, mesh.midpoints), quadratic.NODES)
+        along = (np.abs(normal[..., 0]) / np.linalg.norm(normal, axis=2)).max(axis=0)
+        worst = int(np.argmax(along))
+        if along[worst] < np.cos(NEARLY_NORMAL):
+            return []
+        return [
+            f"material axes: x is nearly normal to the shell near {place(corners[worst].mean(axis=0))}, so its "
+            "projection, from which the angles of the material count, turns fast there; give a direction that is "
+            "never normal, for example direction = [0, 0, 1]"
+        ]
+
+
+def _depends_on_direction(q: Floats) -> bool:
+    """Whether a plane-stress stiffness (3, 3) is not isotropic: it changes when it is turned."""
+    return bool(
+        np.abs(rotated(q, 30.0) - q).max() + np.abs(rotated(q, 45.0) - q).max() > 1e-9 * np.abs(q).max()
+    )
 
 
 def _discretise(scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[np.integer]) -> Any:

@@ -66,3 +66,19 @@ def test_neighbours_are_near():
 
 def test_no_points():
     assert len(spatial_order(np.zeros((0, 2)))) == 0
+
+
+def test_large_files_are_read_in_spatial_order_and_small_ones_as_they_are(tmp_path, monkeypatch):
+    from kshell.mesh import read
+    from kshell.mesh.write import write_msh
+
+    old = shuffled(6)
+    write_msh(old, tmp_path / "plate.msh")
+    small = read.read_mesh(tmp_path / "plate.msh")
+    monkeypatch.setattr(read, "LARGE", 10)
+    large = read.read_mesh(tmp_path / "plate.msh")
+    assert np.array_equal(large.points[:, :2][spatial_order(large.points)], large.points[:, :2])
+    assert not np.array_equal(large.points, small.points)
+    assert {name: len(group.members) for name, group in large.groups.items()} == {
+        name: len(group.members) for name, group in small.groups.items()
+    }

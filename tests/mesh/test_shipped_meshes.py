@@ -25,8 +25,35 @@ SHIPPED = {
 }
 
 
+# surfaces in space and parameter planes of charts
+SURFACES = {
+    "scordelis_lo": (2, 25 * np.radians(40) * 25),
+    "pinched_cylinder": (2, 150 * np.pi * 300),
+    "hemisphere_hole": (2, 50 * np.pi * np.cos(np.radians(18))),
+    "hemisphere": (2, 50 * np.pi),
+    "raasch_hook": (2, 20 * (14 * np.pi / 3 + 46 * 5 * np.pi / 6)),
+    "hypar": (2, 0.6401),
+    "pressurised_sphere": (2, np.pi / 2),
+    "box_girder": (1, 4 * (4 * 1 + 3 * 0.6)),
+    "twisted_beam": (1, 1.1 * np.pi / 2),
+    "tube": (1, np.pi / 2),
+}
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_surfaces(name):
+    order, area = SURFACES[name]
+    path = FOLDER / f"{name}.msh"
+    assert path.stat().st_size < 200_000
+    assert path.with_suffix(".geo").exists()
+    mesh = read_mesh(path)
+    assert mesh.order == order
+    assert check.summary(mesh).area == pytest.approx(area, rel=1e-3)
+    assert all(len(group.members) for group in mesh.groups.values())
+
+
 def test_all_are_listed():
-    assert {path.stem for path in FOLDER.glob("*.msh")} >= set(SHIPPED)
+    assert {path.stem for path in FOLDER.glob("*.msh")} >= {*SHIPPED, *SURFACES}
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -190,8 +190,8 @@ def test_check_says_what_moves_freely(folder, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["modes", "scene.toml"], ["modes", "solve and check"]),
-        (["verify"], ["verify", "solve and check"]),
+        (["modes", "scene.toml"], ["modes", "solve, check"]),
+        (["buckling"], ["buckling", "solve, check"]),
         (["solve"], ["Missing argument"]),
         (["solve", "scene.toml", "--tolerance", "1"], ["--tolerance"]),
         (["solve", "scene.toml", "--set"], ["--set"]),

@@ -12,7 +12,7 @@ import pytest
 import kshell as ks
 from kshell.cli import run
 from tests.scene.fabricated import square_mesh
-from tests.shell.shapes import joined, panel
+from tests.shell.shapes import joined, panel, strip
 
 MESHES = Path(__file__).parents[2] / "meshes"
 STEEL = ks.Isotropic(E=210e9, nu=0.3, density=7850)
@@ -414,6 +414,7 @@ CONTRARY = [
     ({"element": "morley", "model": "shell"}, "is for plates"),
     ({"element": "koiter", "model": "plate"}, "belongs to model"),
     ({"element": "argyris", "order": 2}, "one order only"),
+    ({"element": "argyris", "model": "shell"}, "on a chart only"),
     ({"order": 2, "model": "plate"}, "koiter"),
     ({"solver": "multigrid", "model": "shell"}, "multigrid"),
 ]
@@ -436,3 +437,107 @@ def test_chart_needs_a_flat_mesh_and_places_are_in_space():
     assert a.probe("end")["x"][0] == pytest.approx(1.0)
     assert a.mesh.points[:, 2].max() == pytest.approx(1.0)
     assert np.linalg.norm(a.mesh.midpoints[:, :2], axis=1) == pytest.approx(1.0)
+
+
+CARBON = ks.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9)
+
+
+def test_material_axes_follow_a_direction_on_the_surface():
+    """A tube with fibres along its axis z or around it, pulled along z: the axis counts from the direction given."""
+    scene = ks.Scene.load(MESHES / "tube.toml", ["load.0.value=[0, 0, -1]"])
+    supports = [ks.Symmetry("cuts"), ks.Symmetry("far")]
+    scene = dataclasses.replace(scene, supports=supports, material=CARBON)
+    stretch = {}
+    for angle in (0.0, 90.0):
+        material = dataclasses.replace(CARBON, angle=angle)
+        result = ks.solve(dataclasses.replace(scene, material=material, direction=(0, 0, 1)))
+        assert not result.warnings
+        stretch[angle] = result.probe("end")["u"][2]
+    assert stretch[0.0] == pytest.approx(-1 / (0.01 * 140e9), rel=2e-3)
+    assert stretch[90.0] == pytest.approx(-1 / (0.01 * 10e9), rel=2e-3)
+    assert any("x is nearly normal" in words for words in ks.solve(scene).warnings)
+    drawn = ks.solve(dataclasses.replace(scene, direction=(0, 0, 1))).plot("mesh")
+    assert "material axis 1: 0 degrees" in [text.get_text() for text in drawn.legends[0].get_texts()]
+
+
+def test_view_has_curved_triangles():
+    from kshell.view import surface_grid
+
+    result = ks.solve(ks.Scene.load(MESHES / "scordelis_lo.toml"))
+    grid = surface_grid(result, 10.0)
+    assert grid.n_cells == len(result.mesh.triangles)
+    assert set(grid.celltypes) == {22}  # quadratic triangles
+    assert grid.area == pytest.approx(25 * np.radians(40) * 25, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("name", "options"), [("raasch_hook", {}), ("tube", {}), ("tube", {"element": "koiter"})]
+)
+def test_prescribed_motion_of_all_supports_carries_the_shell_along(name, options):
+    scene = ks.Scene.load(MESHES / f"{name}.toml")
+    on = {"raasch_hook": ["root", "tip"], "tube": ["end", "far"]}[name]
+    shift = [1e-3, -2e-3, 3e-3]
+    scene = dataclasses.replace(scene, supports=[ks.Clamped(on, shift)], loads=[])
+    result = ks.solve(scene, **options)
+    assert result.fields["displacement"] == pytest.approx(
+        np.tile(shift, (len(result.mesh.points), 1)), abs=1e-10
+    )
+    assert result.strain_energy < 1e-16 * result.scene.material.E
+    assert not result.warnings
+
+
+def two_panels(**changes):
+    """Two squares apart from each other, each with a group for its left side."""
+    a, b = panel((0, 0, 0), (1, 0, 0), (0, 1, 0)), panel((3, 0, 0), (1, 0, 0), (0, 0, 1))
+    points, triangles = np.concatenate([a[0], b[0]]), np.concatenate([a[1], b[1] + len(a[0])])
+    plain = ks.Mesh(points, triangles.astype(np.int32))
+    x = points[plain.edges][:, :, 0]
+    groups = {n: plain.edges[(np.abs(x - v) < 1e-9).all(axis=1)] for n, v in (("one", 0.0), ("two", 3.0))}
+    data = {"mesh": ks.Mesh.from_arrays(points, triangles, groups), "thickness": 0.01, "material": STEEL}
+    return ks.Scene(**{**data, "loads": [ks.Pressure(1.0)], **changes})
+
+
+def test_loose_parts_are_named():
+    with pytest.raises(
+        ks.InputError, match=r"part of 8 triangles around \(3.5, 0, 0.5\), one of 2 parts.*not held"
+    ):
+        ks.solve(two_panels(supports=[ks.Clamped("one")]))
+    with pytest.raises(ks.InputError, match=r"one of 2 parts.*move along x; it can move along y"):
+        ks.solve(two_panels(supports=[ks.Clamped("one"), ks.Fixed("two", "zr")]))
+    assert ks.solve(two_panels(supports=[ks.Clamped(["one", "two"])])).balance < 1e-9
+
+
+def test_orientation_is_repaired_and_said_and_one_sided_strips_are_refused():
+    points, triangles = panel((0, 0, 0), (1, 0, 0.2), (0, 1, 0), 3)
+    mixed = triangles.copy()
+    mixed[::3] = mixed[::3, ::-1]
+    shells = [
+        ks.Scene(
+            mesh=ks.Mesh.from_arrays(points, t), thickness=0.01, material=STEEL,
+            supports=[ks.SimplySupported(tuple(p)) for p in points[[0, 3, -1]]],
+            loads=[ks.Pressure(1.0)], probes={"p": points[5]},
+        )
+        for t in (triangles, mixed)
+    ]  # fmt: skip
+    good, repaired = (ks.solve(scene) for scene in shells)
+    assert repaired.probe("p")["u"] == pytest.approx(good.probe("p")["u"], rel=1e-8)
+    assert any("6 of 18 triangles reversed" in words for words in repaired.model["reasons"])
+    moebius = strip(1)
+    with pytest.raises(ks.InputError, match="one-sided"):
+        ks.Mesh.from_arrays(moebius.points, moebius.triangles)
+
+
+def test_plane_chart_with_argyris_is_the_argyris_plate():
+    scene = plate(loads=[ks.Pressure("1e3*(1 + x)"), ks.PointForce((0.25, 0.5, 0), (0, 0, 50.0))])
+    expected, found = ks.solve(scene), ks.solve(dataclasses.replace(scene, chart=ks.geometry.Plane()))
+    assert (expected.model["element"], found.model["element"]) == ("argyris", "argyris")
+    assert (expected.model["kind"], found.model["kind"]) == ("plate", "shell")
+    for name in ("p", "q"):
+        for key in ("u", "rotation", "M", "stress_bottom"):
+            size = np.abs(expected.probe(name)[key]).max()
+            assert found.probe(name)[key] == pytest.approx(expected.probe(name)[key], abs=1e-6 * size)
+    assert found.strain_energy == pytest.approx(expected.strain_energy, rel=1e-8)
+    # the plate weights its means at vertices by area
+    assert found.fields["moment"] == pytest.approx(
+        expected.fields["moment"], abs=0.2 * expected.fields["moment"].max()
+    )

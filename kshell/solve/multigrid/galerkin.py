@@ -53,6 +53,7 @@ def galerkin(matrix: Any, prolongation: Any) -> Any:
 def entries(blocks: Any) -> Any:
     """A matrix of blocks entry by entry: CSR, sorted, without stored zeros. It is faster to multiply with."""
     matrix = blocks.tocsr()
+    del blocks  # the caller may have given it away: then its memory is free for what follows
     matrix.eliminate_zeros()
     matrix.sort_indices()
     return matrix

@@ -1,0 +1,144 @@
+"""The gallery of failures: each fails as it says, and kshell does what it says about it."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import kshell as ks
+from verification.cases import meshes
+from verification.cases.plate import plate
+from verification.failures import (
+    GALLERY,
+    conditioning,
+    corners,
+    curved_support,
+    discrete_curvature,
+    point_supports,
+)
+from verification.failures.failure import solved, square, text_table
+from verification.failures.thin_triangles import caps, needles
+from verification.peers import scikit_fem
+
+mpl.use("Agg")
+
+
+@pytest.fixture(scope="module")
+def numbers():
+    """Of each entry, in the quick setting, measured once."""
+    kept = {}
+
+    def of(id):
+        if id not in kept:
+            kept[id] = GALLERY[id].measure(True)
+        return kept[id]
+
+    return of
+
+
+@pytest.mark.parametrize("id", GALLERY)
+def test_every_entry_has_words_numbers_and_a_picture(id, numbers):
+    entry = GALLERY[id]
+    assert entry.id == id
+    assert len(entry.what) > 100
+    assert len(entry.kshell) > 100
+    figure = entry.draw(numbers(id))
+    assert figure.axes[0].get_title()
+    assert text_table(numbers(id)).count("\n") == len(next(iter(numbers(id).values())))
+    mpl.pyplot.close(figure)
+
+
+def test_bare_quintics_are_lost_far_from_the_origin_and_kshell_is_not(numbers):
+    found = numbers("origin")
+    far = found["shift"] >= 1e3
+    assert not (found["scikit-fem alone"][far] < 1).any()
+    assert np.ptp(found["kshell"]) < 1e-3 * found["kshell"].max() < 1e-8
+
+
+def test_chords_lead_to_the_clamped_plate_and_kshell_to_the_disk(numbers):
+    found = numbers("curved_support")
+    chords = found["chords held (scikit-fem)"]
+    assert (np.diff(chords) < 0).all()
+    assert chords[-1] == pytest.approx(curved_support.CLAMPED, rel=0.07)
+    errors = curved_support.off_by(found)
+    assert abs(errors["kshell argyris"]) < 1e-6
+    assert 0 < errors["kshell morley"] < 0.02
+
+
+def test_thin_triangles_cost_digits_and_the_last_ones_are_refused(numbers):
+    found = numbers("thin_triangles")
+    good, bad = 1, 2  # aspects 100 and 1e4
+    for family in ("needles", "caps"):
+        assert found[f"{family} argyris w"][good] < 4e-6
+        assert found[f"{family} argyris balance"][good] > 1e3 * found[f"{family} argyris balance"][0]
+        assert np.isnan(found[f"{family} argyris w"][bad])
+    with pytest.raises(ks.SolveError, match="singular"):
+        solved(square(*caps(8, 1e4)), {"edge": "C"}, "argyris")
+    with pytest.warns(ks.KshellWarning, match="look for very small or very thin triangles"):
+        ks.solve(plate(square(*needles(24, 1e4)), {"edge": "C"}, [ks.Pressure(1.0)]), element="morley")
+
+
+def test_corners_take_the_rate_and_layers_give_digits_back(numbers):
+    found = numbers("corners")
+    rates = corners.rates(found)
+    assert rates["skew, without layers"] == pytest.approx(0.4, abs=0.1)
+    assert rates["L-shape, without layers"] == pytest.approx(1.09, abs=0.1)
+    for name in ("skew", "L-shape"):
+        assert found[f"{name}, with layers"][-1] < 0.02 * found[f"{name}, without layers"][-1]
+    with pytest.warns(ks.KshellWarning, match="150 degrees"):
+        ks.solve(plate(meshes.rhombus(30, 4), {"edge": "S"}, [ks.Pressure(1.0)]))
+
+
+def test_poissons_ratio_near_its_limits(numbers):
+    found = numbers("poisson")
+    closest = -1  # 1e-9 from the limit
+    assert found["1/2 textbook stiffness"][closest] > 1e-9
+    assert found["1/2 kshell stiffness"].max() < 1e-15
+    assert found["1/2 kshell disk"].max() < 1e-6
+    assert found["-1 kshell disk"][0] < 1e-6 < 1e-4 < found["-1 kshell disk"][closest] < 0.1
+    for nu in (0.5, -1.0):
+        with pytest.raises(ks.InputError, match="nu"):
+            ks.Isotropic(E=1.0, nu=nu)
+
+
+def test_fine_meshes_lose_digits_without_refinement_through_strains(numbers):
+    found = numbers("conditioning")
+    assert found["kshell"][-1] < 1e-8
+    case = conditioning.find(conditioning.CASE)
+    exact = case.references["w_c"].value
+    scene = case.build(64, 1)
+    once = abs(conditioning.factorised_once(scene) / exact - 1)
+    refined = abs(ks.solve(scene, element="argyris").at((0.5, 0.5, 0.0))["u"][0, 2] / exact - 1)
+    assert refined < 1e-10
+    assert once > 2 * refined
+
+
+def test_over_a_point_support_forces_converge_and_moments_grow(numbers):
+    found = numbers("point_supports")
+    for name in ("force, error", "compliance, error"):
+        assert np.log2(found[name][:-1] / found[name][1:]) == pytest.approx(2, abs=0.1)
+    grows = -point_supports.exact_force() * 1.3 / (4 * np.pi) * np.log(2)
+    assert point_supports.growth(found) == pytest.approx(grows, rel=0.02)
+
+
+def test_angle_defects_stay_wrong_where_fitted_polynomials_converge(numbers):
+    gains = discrete_curvature.gains(numbers("discrete_curvature"))
+    assert gains["valence 6: K, angle defect"] > 3
+    assert gains["valence 4 and 8: K, angle defect"] < 1.2
+    assert gains["valence 4 and 8: H, cotangent formula"] < 1.2
+    for family in ("valence 6", "valence 4 and 8", "irregular"):
+        assert gains[f"{family}: k, fitted polynomial"] > 3
+
+
+@pytest.mark.parametrize("element", ["morley", "argyris"])
+@pytest.mark.parametrize("kind", ["clamped", "supported"])
+def test_scikit_fem_alone_is_a_fair_peer(element, kind):
+    """Near the origin, on straight edges, its answers are those of kshell with the same element."""
+    points, triangles = meshes.grid(6, 6)
+    bare = scikit_fem.solve(points, triangles, element, kind)
+    ours = solved(square(points, triangles), {"edge": {"clamped": "C", "supported": "S"}[kind]}, element)
+    values = ours.at((0.5, 0.5, 0.0))
+    assert bare.unknowns == ours.unknowns
+    assert bare.compliance == pytest.approx(2 * ours.strain_energy, rel=1e-8)
+    assert bare.deflection(0.5, 0.5) == pytest.approx(values["u"][0, 2], rel=1e-8)
+    if element == "argyris":
+        assert bare.moment_xx(0.5, 0.5) == pytest.approx(values["M"][0, 0], rel=1e-6)
