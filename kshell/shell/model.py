@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,9 @@ from kshell.options import SolveOptions
 from kshell.probing import probe_values
 from kshell.result import Result, no_error_estimate
 from kshell.scene import Scene
+from kshell.shell.equilibrium import State
 from kshell.shell.fields import ShellFields
+from kshell.shell.large import Trace, grow_load, indicate
 from kshell.shell.linear import LinearSolution, solve_linear
 from kshell.shell.problem import ShellProblem
 from kshell.shell.scene_reactions import find_reactions
@@ -29,9 +33,15 @@ FRAME = "projection of global x (of y where x is normal) on the tangent plane"
 
 
 def solve_shell(
-    scene: Scene, mesh: Mesh, options: SolveOptions, progress: Stage | None = None, read_seconds: float = 0.0
+    scene: Scene,
+    mesh: Mesh,
+    options: SolveOptions,
+    progress: Stage | None = None,
+    read_seconds: float = 0.0,
+    folder: Path | None = None,
+    resume: bool = False,
 ) -> Result:
-    """Small deflections of a Koiter shell under static loads.
+    """Deflection of a Koiter shell, small or large as asked for or as it matters.
 
     Parameters
     ----------
@@ -40,16 +50,22 @@ def solve_shell(
         Of the scene, as read.
     options : SolveOptions
     progress : function, optional
-        Called with the name of each stage: assemble, solve, recover.
+        Called with the name of each stage: assemble, solve, recover; and after each load step.
     read_seconds : float
         Time already spent on reading.
+    folder : Path, optional
+        Where each converged load step is written.
+    resume : bool
+        Go on after the last step in the folder.
 
     Raises
     ------
     InputError
         If the scene does not fit, or the shell is not held.
     SolveError
-        If no answer was reached.
+        If no answer was reached; of a growing load its `state` is the result of the last good step.
+    Interrupted
+        If the user stopped a growing load; its `state` as above.
     """
     clock = Clock(progress, read_seconds)
     if options.solver == "multigrid":
@@ -57,48 +73,137 @@ def solve_shell(
     with clock.stage("assemble"):
         choice: ModelChoice = choose_model(scene, mesh, options)
         problem = ShellProblem(scene, mesh, choice)
+    reason = "linear: only small deflections are computed, as asked for"
+    large, change = options.large_asked, None
+    trace: Trace | None = None
     with clock.stage("solve"):
-        solution = solve_linear(problem.energy, problem.load, problem.reduction, problem.springs)
-        if not np.isfinite(solution.x).all():
-            raise SolveError(
-                "the solution is not finite: check the magnitudes of stiffness and loads", state=solution.x
-            )
+        if large:
+            reason = "large deflections: as asked for"
+        else:
+            solution = solve_linear(problem.energy, problem.load, problem.reduction, problem.springs)
+            if not np.isfinite(solution.x).all():
+                raise SolveError(
+                    "the solution is not finite: check the magnitudes of stiffness and loads", state=solution.x
+                )
+            if options.large_deflection == "auto":
+                indicator = indicate(problem, solution)
+                large, change, reason = indicator.matters, indicator.change, indicator.words()
+        if large:
+            steps = options.steps if options.steps != "auto" else (10 if options.analysis == "path" else 1)
+            trace = grow_load(problem, steps, progress, folder, resume)
     with clock.stage("recover"):
-        result = _recover(scene, problem, solution)
+        if trace is None:
+            result = _recover(scene, problem, solution)
+            result.error["budget"]["large_deflection"] = change
+        else:
+            result = recover_trace(scene, problem, trace)
+    result.analysis = options.analysis
     result.model = {
         "kind": "shell",
-        "large_deflection": False,
+        "large_deflection": large,
         "element": choice.element,
         "order": choice.order,
-        "reasons": [*problem.reasons(), *(f"mesh: {note}" for note in mesh.notes)],
+        "reasons": [*problem.reasons(), reason, *(f"mesh: {note}" for note in mesh.notes)],
     }
     result.solver = {
         "name": "direct",
         "why": "shells are factorised",
-        "iterations": len(solution.corrections),
+        "iterations": len(solution.corrections) if trace is None else trace.iterations,
+        **({} if trace is None else {"steps": len(trace.states) - 1}),
         "seconds": {**clock.seconds},
         "peak_memory_mb": peak_memory_mb(),
     }
+    if trace is not None and trace.failure is not None:
+        trace.failure.state = result
+        raise trace.failure
     return result
 
 
-def _recover(scene: Scene, problem: ShellProblem, solution: LinearSolution) -> Result:
+def recover_trace(scene: Scene, problem: ShellProblem, trace: Trace) -> Result:
+    """The result of the last state, with the path to it."""
+    result = recover_state(scene, problem, trace.states[-1])
+    for number, state in enumerate(trace.states):
+        last = number == len(trace.states) - 1
+        values = result.probes if last else _probes(scene, problem, _fields(scene, problem, state))[0]
+        entry = {"factor": state.factor, "probes": {name: {**p, "frame": FRAME} for name, p in values.items()}}
+        entry |= {"iterations": state.iterations, "stable": state.negative == 0}
+        result.path.append(entry)
+        result.series.append((state.factor, partial(recover_state, scene, problem, state)))
+    for number, (step, critical) in enumerate(trace.critical, 1):
+        result.critical.append({"kind": critical.kind, "factor": critical.state.factor, "before_step": step})
+        mode = ShellFields(
+            problem.space,
+            problem.discretisation.recovery(problem.energy, critical.mode),
+            problem.section,
+            scene.offset,
+            *problem.discretisation.patches(),
+        )
+        result.fields[f"mode_{number}"] = mode.vertex_fields["displacement"]
+        result.warnings.append(
+            f"the load passes a {critical.kind} point at the factor {critical.state.factor:.6g}: a real shell "
+            "jumps there to the next stable state"
+        )
+    unstable = next((state for state in trace.states if state.negative > 0), None)
+    if unstable is not None and trace.states[-1].negative > 0:
+        result.warnings.append(
+            f"the equilibrium is unstable: from the load factor {unstable.factor:.6g} on a small disturbance "
+            "makes the shell buckle"
+        )
+    return result
+
+
+def recover_state(scene: Scene, problem: ShellProblem, state: State) -> Result:
+    """The result of one state of large deflections."""
+    _, residual, _ = problem.equilibrium().evaluate(state.x, state.factor, 1, state.memory)
+    loads = problem.forces_at(state)
+    solution = LinearSolution(state.x, -residual, np.zeros(0), ())
+    result = _recover(scene, problem, solution, state, loads)
+    # loads that grow slowly from rest do the work that is stored; at edges their rotations are not kept
+    result.external_work = result.strain_energy
+    return result
+
+
+def _fields(scene: Scene, problem: ShellProblem, state: State | None, x: Floats | None = None) -> ShellFields:
     discretisation = problem.discretisation
-    recovery = discretisation.recovery(problem.energy, solution.x)
-    fields = ShellFields(problem.space, recovery, problem.section, scene.offset, *discretisation.patches())
-    groups, balance = find_reactions(discretisation, problem.supports, solution, problem.loads.forces)
-    energies = _energies(problem, recovery, solution)
-    stretch = problem.energy.section.membrane.max() * np.abs(solution.x).max() ** 2
-    if sum(energies.values()) <= NO_STRAIN * stretch:
-        balance = 0.0  # moved along without strain: all forces are rounding
+    if state is None:
+        recovery = discretisation.recovery(problem.energy, x)
+    else:
+        if problem.loads.initial is not None:
+            problem.energy.initial = state.factor * problem.loads.initial
+        recovery = discretisation.recovery(problem.energy, state.x, True, state.memory)
+    return ShellFields(problem.space, recovery, problem.section, scene.offset, *discretisation.patches())
+
+
+def _probes(
+    scene: Scene, problem: ShellProblem, fields: ShellFields
+) -> tuple[dict[str, dict[str, Any]], list[str]]:
+    return probe_values(scene.probes, fields.at, problem.space, "shell")
+
+
+def _recover(
+    scene: Scene,
+    problem: ShellProblem,
+    solution: LinearSolution,
+    state: State | None = None,
+    loads: list[Floats] | None = None,
+) -> Result:
+    fields = _fields(scene, problem, state, solution.x)
+    groups, balance = find_reactions(
+        problem.discretisation,
+        problem.supports,
+        solution,
+        problem.loads.forces if loads is None else loads,
+        None if state is None else state.x,
+    )
     warnings = problem.warnings()
     if balance > UNBALANCED:
         warnings.append(
             f"loads and reactions differ by {balance:.1e} of the larger: the solution has few correct digits; look "
             "for very small or very thin triangles (`kshell check`), or a shell that is hardly held"
         )
-    probes, probe_warnings = probe_values(scene.probes, fields.at, problem.space, "shell")
+    probes, probe_warnings = _probes(scene, problem, fields)
     vertex_fields = fields.vertex_fields
+    energies = _energies(problem, fields.recovery, solution)
     error = no_error_estimate()
     error["budget"]["algebra"] = solution.corrections[-1] if len(solution.corrections) > 1 else 0.0
     return Result(
