@@ -163,7 +163,7 @@ def _large_where_it_matters(
 
     shell = solve_shell(scene, mesh, options.updated(model="shell"), progress)
     if shell.model["large_deflection"]:
-        shell.model["reasons"].insert(0, f"shell instead of plate: {words}")
+        shell.model["reasons"][0] = f"kind shell: {words}"
         return shell
     plate.model["reasons"] += [f"linear: {words}", *(r for r in shell.model["reasons"] if "linear" in r)]
     return plate
