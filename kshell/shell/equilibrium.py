@@ -55,9 +55,9 @@ class Problem:
         self, x: Floats, factor: float, derivatives: int, memory: Any, stress: Floats | None = None
     ) -> tuple[Energy, Floats, Floats]:
         """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor)."""
-        growth = self.load
+        growth, of_initial = self.load, None
         if self.initial is not None:
-            growth = growth + self._growth_of_initial(x, memory)
+            of_initial = self._growth_of_initial(x, memory)
             self.energy.initial = factor * self.initial
         energy = self.energy.energy(x, derivatives, memory, stress)
         tangent = energy.hessian
@@ -66,7 +66,9 @@ class Problem:
             growth = growth + force
             if tangent is not None:
                 tangent = tangent - factor * stiffness
-        residual = factor * growth - energy.gradient
+        residual = factor * growth - energy.gradient  # which holds the forces of initial strains already
+        if of_initial is not None:
+            growth = growth + of_initial
         if self.constant is not None:
             residual = residual + self.constant
         if self.springs is not None:

@@ -130,7 +130,7 @@ def recover_trace(scene: Scene, problem: ShellProblem, trace: Trace) -> Result:
         result.path.append(entry)
         result.series.append((state.factor, partial(recover_state, scene, problem, state)))
     for number, (step, critical) in enumerate(trace.critical, 1):
-        result.critical.append({"kind": critical.kind, "factor": critical.state.factor, "before_step": step})
+        result.critical.append({"kind": critical.kind, "factor": float(critical.state.factor), "before_step": step})
         mode = ShellFields(
             problem.space,
             problem.discretisation.recovery(problem.energy, critical.mode),
@@ -195,6 +195,10 @@ def _recover(
         problem.loads.forces if loads is None else loads,
         None if state is None else state.x,
     )
+    energies = _energies(problem, fields.recovery, solution)
+    stretch = problem.energy.section.membrane.max() * np.abs(solution.x).max() ** 2
+    if sum(energies.values()) <= NO_STRAIN * stretch:
+        balance = 0.0  # moved along without strain: all forces are rounding
     warnings = problem.warnings()
     if balance > UNBALANCED:
         warnings.append(
@@ -203,7 +207,6 @@ def _recover(
         )
     probes, probe_warnings = _probes(scene, problem, fields)
     vertex_fields = fields.vertex_fields
-    energies = _energies(problem, fields.recovery, solution)
     error = no_error_estimate()
     error["budget"]["algebra"] = solution.corrections[-1] if len(solution.corrections) > 1 else 0.0
     return Result(
