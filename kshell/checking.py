@@ -15,8 +15,8 @@ from kshell.mesh.check import Quality, Summary
 from kshell.mesh.words import place
 from kshell.modelling import choose_model
 from kshell.on_chart import mesh_in_space
-from kshell.places import Place
 from kshell.options import SolveOptions
+from kshell.places import Place
 from kshell.scene import Scene
 from kshell.section import shell_section
 from kshell.supports import Elastic, Support
@@ -144,4 +144,6 @@ def _check_model(scene: Scene, mesh: Mesh, found: Findings) -> None:
 def _regime(options: SolveOptions) -> str:
     if options.large_asked:
         return "large deflections"
-    return "small deflections" + ("" if options.large_deflection is False else ", large ones where they matter")
+    return "small deflections" + (
+        "" if options.large_deflection is False else ", large ones where they matter"
+    )

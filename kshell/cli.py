@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from kshell.cli_scene import flag, is_scene, no_overrides, number, scene_of
 from kshell.errors import InputError, Interrupted, KshellError, KshellWarning, SolveError
 
 if TYPE_CHECKING:
@@ -131,7 +132,9 @@ def solve(
     large_deflection: Annotated[
         str | None, typer.Option(metavar="auto|true|false", help="Whether deflections are large.")
     ] = None,
-    steps: Annotated[str | None, typer.Option(metavar="auto|N", help="First guess of the load steps.")] = None,
+    steps: Annotated[
+        str | None, typer.Option(metavar="auto|N", help="First guess of the load steps.")
+    ] = None,
     debug: Debug = False,
 ) -> None:
     """Solve a scene file, or a mesh file described by options."""
@@ -148,9 +151,9 @@ def solve(
         "mesh_order": mesh_order,
     }
     begin = time.perf_counter()
-    scene = _scene(source, plate, set_ or [])
-    given = {"model": model, "element": element, "order": _number(order), "solver": solver}
-    given |= {"large_deflection": _flag(large_deflection), "steps": _number(steps)}
+    scene = scene_of(source, plate, set_ or [])
+    given = {"model": model, "element": element, "order": number(order), "solver": solver}
+    given |= {"large_deflection": flag(large_deflection), "steps": number(steps)}
     options = {key: value for key, value in given.items() if value is not None}
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     try:
@@ -196,10 +199,10 @@ def trace(
     debug: Debug = False,
 ) -> None:
     """Follow large deflections while the loads grow from zero to their full size."""
-    if not _is_scene(source):
+    if not is_scene(source):
         raise InputError(f"{source}: trace needs a scene file, .toml")
     begin = time.perf_counter()
-    scene = _scene(source, {}, set_ or [])
+    scene = scene_of(source, {}, set_ or [])
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     if resume and folder is None:
         raise InputError("--resume needs -o DIR, the folder of the path to go on with")
@@ -222,7 +225,7 @@ def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
     from kshell.checking import check_mesh, check_scene
     from kshell.terminal import print_findings
 
-    if _is_scene(source):
+    if is_scene(source):
         from kshell.scene import Scene
 
         scene = Scene.load(source, set_ or [])
@@ -230,7 +233,7 @@ def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
     else:
         from kshell.mesh import read_mesh
 
-        _no_overrides(source, set_ or [])
+        no_overrides(source, set_ or [])
         found = check_mesh(read_mesh(source))
     print_findings(found)
     for words in found.problems:
@@ -252,74 +255,6 @@ def verify(
 
     if run_all(quick, out).failed:
         raise typer.Exit(1)
-
-
-def _is_scene(source: Path) -> bool:
-    return source.suffix.lower() == ".toml"
-
-
-def _no_overrides(source: Path, overrides: Sequence[str]) -> None:
-    if overrides:
-        raise InputError(
-            f"--set {overrides[0]}: {source} is a mesh, --set changes the values of a scene file"
-        )
-
-
-def _scene(source: Path, plate: dict[str, Any], overrides: Sequence[str]) -> Scene:
-    from kshell.scene import Scene
-
-    given = {key: value for key, value in plate.items() if value not in (None, [])}
-    if _is_scene(source):
-        if given:
-            option = next(iter(given)).replace("_", "-")
-            raise InputError(
-                f"--{option} describes the plate or shell of a mesh file, but {source} is a scene file: use --set, "
-                "for example --set thickness=0.02"
-            )
-        return Scene.load(source, overrides)
-    _no_overrides(source, overrides)
-    return _scene_of_options(source, given)
-
-
-def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:
-    from kshell.loads import Pressure
-    from kshell.material import Isotropic
-    from kshell.scene import Scene
-    from kshell.supports import Clamped, SimplySupported, Symmetry
-
-    missing = [f"--{key}" for key in ("thickness", "E", "nu") if key not in given]
-    if missing:
-        raise InputError(
-            f"{', '.join(missing)} missing: a mesh file needs --thickness, --E and --nu, a scene file not"
-        )
-    kinds = {"clamped": Clamped, "supported": SimplySupported, "symmetry": Symmetry}
-    supports = [kind(name) for key, kind in kinds.items() for name in given.get(key, [])]
-    loads = [Pressure(_number_or_text(given["pressure"]))] if "pressure" in given else []
-    return Scene(
-        mesh=mesh,
-        thickness=_number_or_text(given["thickness"]),
-        material=Isotropic(E=given["E"], nu=given["nu"], density=given.get("density", 0.0)),
-        supports=supports,
-        loads=loads,
-        mesh_size=given.get("mesh_size"),
-        mesh_order=given.get("mesh_order"),
-        title=mesh.name,
-    )
-
-
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-def _number(text: str | None) -> int | str | None:
-    return int(text) if text is not None and text.isdigit() else text
-
-
-def _flag(text: str | None) -> bool | str | None:
-    return {"true": True, "false": False}.get(text, text) if text is not None else None
 
 
 def _solve(scene: Scene, options: dict[str, Any]) -> Result:

@@ -206,7 +206,9 @@ def _beyond_argyris(scene: Scene) -> str:
         if support.kind in ("hinge", "elastic"):
             return f"{support} needs it"
     for load in scene.loads:
-        if load.kind in ("temperature", "initial_curvature", "point_moment") or getattr(load, "follower", False):
+        if load.kind in ("temperature", "initial_curvature", "point_moment") or getattr(
+            load, "follower", False
+        ):
             return f"{load} needs it"
     return ""
 

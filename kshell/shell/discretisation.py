@@ -78,9 +78,7 @@ class KoiterDiscretisation:
         ref = self.surface.reference
         return surface_points(self.surface, triangles), self.surface.area_elements[triangles] * ref.weights
 
-    def recovery(
-        self, energy: Koiter, x: Floats, finite: bool = False, memory: Any = None
-    ) -> KoiterRecovery:
+    def recovery(self, energy: Koiter, x: Floats, finite: bool = False, memory: Any = None) -> KoiterRecovery:
         """Values of a solution inside triangles."""
         return KoiterRecovery(energy, x, finite, memory)
 

@@ -57,7 +57,7 @@ class Problem:
         """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor)."""
         growth, of_initial = self.load, None
         if self.initial is not None:
-            of_initial = self._growth_of_initial(x, memory)
+            of_initial = self._growth_of_initial(self.initial, x, memory)
             self.energy.initial = factor * self.initial
         energy = self.energy.energy(x, derivatives, memory, stress)
         tangent = energy.hessian
@@ -76,11 +76,11 @@ class Problem:
             tangent = None if tangent is None else tangent + self.springs
         return Energy(energy.value, energy.gradient, tangent), residual, growth
 
-    def _growth_of_initial(self, x: Floats, memory: Any) -> Floats:
+    def _growth_of_initial(self, initial: Floats, x: Floats, memory: Any) -> Floats:
         """Forces are linear in the initial strains: those without less those with them."""
         forces = []
         for share in (0.0, 1.0):
-            self.energy.initial = share * self.initial
+            self.energy.initial = share * initial
             forces.append(self.energy.energy(x, 1, memory).gradient)
         return forces[0] - forces[1]
 

@@ -129,7 +129,9 @@ class LoadSteps:
         """
         while march.crossing is None:
             if march.attempts > MOST_ATTEMPTS + self.steps:
-                raise SolveError(f"{march.attempts} steps did not reach the factor {self.until:g}", state=march)
+                raise SolveError(
+                    f"{march.attempts} steps did not reach the factor {self.until:g}", state=march
+                )
             state, left = march.state, self.until - march.state.factor
             size = float(np.sign(left) * min(abs(march.size), abs(left)))
             march = replace(march, attempts=march.attempts + 1)

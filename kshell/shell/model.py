@@ -83,7 +83,8 @@ def solve_shell(
             solution = solve_linear(problem.energy, problem.load, problem.reduction, problem.springs)
             if not np.isfinite(solution.x).all():
                 raise SolveError(
-                    "the solution is not finite: check the magnitudes of stiffness and loads", state=solution.x
+                    "the solution is not finite: check the magnitudes of stiffness and loads",
+                    state=solution.x,
                 )
             if options.large_deflection == "auto":
                 indicator = indicate(problem, solution)
@@ -125,12 +126,17 @@ def recover_trace(scene: Scene, problem: ShellProblem, trace: Trace) -> Result:
     for number, state in enumerate(trace.states):
         last = number == len(trace.states) - 1
         values = result.probes if last else _probes(scene, problem, _fields(scene, problem, state))[0]
-        entry = {"factor": state.factor, "probes": {name: {**p, "frame": FRAME} for name, p in values.items()}}
+        entry = {
+            "factor": state.factor,
+            "probes": {name: {**p, "frame": FRAME} for name, p in values.items()},
+        }
         entry |= {"iterations": state.iterations, "stable": state.negative == 0}
         result.path.append(entry)
         result.series.append((state.factor, partial(recover_state, scene, problem, state)))
     for number, (step, critical) in enumerate(trace.critical, 1):
-        result.critical.append({"kind": critical.kind, "factor": float(critical.state.factor), "before_step": step})
+        result.critical.append(
+            {"kind": critical.kind, "factor": float(critical.state.factor), "before_step": step}
+        )
         mode = ShellFields(
             problem.space,
             problem.discretisation.recovery(problem.energy, critical.mode),

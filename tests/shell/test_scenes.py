@@ -295,9 +295,7 @@ WRONG = {
         "no rotation of its own",
     ),
     "follower": (
-        lambda: cantilever_of_two(
-            loads=[ks.Pressure(1.0, follower=True)], solve={"large_deflection": False}
-        ),
+        lambda: cantilever_of_two(loads=[ks.Pressure(1.0, follower=True)], solve={"large_deflection": False}),
         "follower",
     ),
 }

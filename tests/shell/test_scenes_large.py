@@ -127,7 +127,9 @@ def test_path_through_limit_points(roof_result, tmp_path):
     last = meshio.read(tmp_path / f"step-{steps - 1:04d}.vtu")
     deepest = last.point_data["displacement"][:, 2].min()
     assert deepest == pytest.approx(roof_result.path[-1]["probes"]["crown"]["u"][2], rel=1e-6)
-    assert np.abs(meshio.read(tmp_path / "result.vtu").point_data["mode_1"]).max() == pytest.approx(1.0, rel=0.2)
+    assert np.abs(meshio.read(tmp_path / "result.vtu").point_data["mode_1"]).max() == pytest.approx(
+        1.0, rel=0.2
+    )
     document = json.loads((tmp_path / "result.json").read_text())
     assert document["analysis"] == "path"
     assert len(document["path"]) == steps
@@ -167,7 +169,11 @@ def start(path, *more):
     main = "from kshell.cli import main; main()"
     command = [sys.executable, "-c", main, "trace", str(path), "-o", str(path.parent / "out"), *more]
     return subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "OMP_NUM_THREADS": "1"}
+        command,
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env={**os.environ, "OMP_NUM_THREADS": "1"},
     )
 
 

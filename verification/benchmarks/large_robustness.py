@@ -68,7 +68,9 @@ def random_scene(seed: int) -> tuple[str, ks.Scene]:
     )  # fmt: skip
     order = int(draw.integers(1, 3))
     linear = replace(scene, loads=[replace(scene.loads[0], follower=False)]) if _follows(scene) else scene
-    deflection = ks.solve(linear, model="shell", large_deflection=False, order=order).extremes["deflection"]["value"]
+    deflection = ks.solve(linear, model="shell", large_deflection=False, order=order).extremes["deflection"][
+        "value"
+    ]
     wanted = min(thickness * 20 ** float(draw.uniform(0.0, 1.0)), 0.5 * length)
     factor = wanted / deflection
     load = replace(scene.loads[0], value=_times(scene.loads[0].value, factor))
@@ -125,7 +127,9 @@ def main(count: int) -> None:
         times.append(took)
         if word != "converged" or not fine:
             factor = result.path[-1]["factor"]
-            print(f"{seed:4d} {shape:6s} {took:6.1f} s  factor {factor:.4f}  balance {result.balance:.1e}  {outcome}")
+            print(
+                f"{seed:4d} {shape:6s} {took:6.1f} s  factor {factor:.4f}  balance {result.balance:.1e}  {outcome}"
+            )
     print(dict(outcomes), f"seconds: median {np.median(times):.2f}, largest {max(times):.1f}")
 
 

@@ -99,7 +99,8 @@ def slit_annulus(radial: int = 6, around: int = 30) -> ks.Scene:
     """3.3: lifted along one side of the slit, clamped at the other."""
     chart = ks.geometry.Chart.from_expressions("v*cos(u)", "-v*sin(u)", "0*u")
     return ks.Scene(
-        mesh=rectangle(2 * np.pi, 4.0, around, radial, y=6.0), chart=chart, thickness=0.03, material=ks.Isotropic(21e6, 0.0),
+        mesh=rectangle(2 * np.pi, 4.0, around, radial, y=6.0), chart=chart,
+        thickness=0.03, material=ks.Isotropic(21e6, 0.0),
         supports=[ks.Clamped("x0")], loads=[ks.LineForce("x1", (0, 0, 0.8))], title="slit annulus",
         solve={"element": "koiter", "order": 2},
     )  # fmt: skip
