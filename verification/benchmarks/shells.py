@@ -4,8 +4,8 @@
 
 Scordelis-Lo roof, pinched cylinder and hemisphere with a hole, a quarter of each, orders 2 and 3, growing grids. Every
 measurement is a process of its own on one thread: CPU seconds from the mesh arrays to the deflection, imports and a
-first small solve left out, the best of three (NGSolve: one). kshell's grid of the cylinder is graded towards the force; NGSolve's
-generator makes uniform grids only, so kshell is run on those as well ("uniform"). PYTHON is an interpreter that has
+first small solve left out, the best of three (NGSolve: one). kshell's grid of the cylinder is graded towards the force;
+NGSolve's generator makes uniform grids only, so kshell is run on those as well. PYTHON is an interpreter that has
 ngsolve; without it kshell is measured alone.
 
 A target counts as reached where the error and that of the next finer grid are below it, so that an error which
