@@ -113,17 +113,22 @@ class Hinge(Support):
 class Fixed(Support):
     """Exact freedoms, letters of "xyzr", with an optional prescribed translation.
 
-    `value` is a vector (x, y, z), or a scalar for z; a function may return either.
+    `value` is a vector (x, y, z), or a scalar for z; a function may return either. `axes`, on shells, are three
+    vectors at right angles that x, y and z of the letters then mean; `value` stays in global components.
     """
 
     kind: ClassVar[str] = "fixed"
     on: On
     freedoms: str = FREEDOMS
     value: ScalarOrVector | None = None
+    axes: Any = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "fixed"))
-        _require_matching_value(self.freedoms, self.value)
+        if self.axes is None:
+            _require_matching_value(self.freedoms, self.value)
+        else:
+            object.__setattr__(self, "axes", _checked_axes(self.axes))
 
 
 @described("support elastic")
@@ -170,6 +175,26 @@ def checked_freedoms(freedoms: str, kind: str) -> str:
             "(x y z translations, r rotation about the edge)"
         )
     return "".join(letter for letter in FREEDOMS if letter in freedoms)
+
+
+def _checked_axes(axes: Any) -> tuple[tuple[float, ...], ...]:
+    """Three unit vectors at right angles, as given up to their lengths."""
+    try:
+        rows = np.array(axes, dtype=float)
+    except (TypeError, ValueError):
+        rows = np.zeros(0)
+    if rows.shape != (3, 3) or not np.isfinite(rows).all() or not np.linalg.norm(rows, axis=1).all():
+        raise InputError(
+            f"support fixed: axes = {axes!r}: must be three vectors, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+        )
+    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+    skew = np.abs(rows @ rows.T - np.eye(3)).max()
+    if skew > 1e-6:
+        raise InputError(
+            f"support fixed: axes are not at right angles to each other (cosine up to {skew:.2g}): "
+            "give vectors that are"
+        )
+    return tuple(map(tuple, rows.tolist()))
 
 
 def _require_matching_value(freedoms: str, value: Any) -> None:

@@ -122,6 +122,11 @@ class _Builder:
             self.out.warnings.append(selection.warning)
         if support.kind == "free":
             return
+        if getattr(support, "axes", None) is not None:
+            raise InputError(
+                f"{what} on '{selection.label}': axes of its own are for shells, where motion in the plane counts; set "
+                'model = "shell", or leave axes out'
+            )
         if support.kind == "elastic":
             self._springs(support, selection, what)
             return

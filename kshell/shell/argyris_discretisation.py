@@ -134,9 +134,14 @@ class ArgyrisConditions:
         self.surface = surface
         self.kernel = ChartSupports(surface)
 
-    def translations(self, chosen: Selection, letters: str, value: OfPlace) -> None:
+    def translations(self, chosen: Selection, letters: str, value: OfPlace, axes: Any = None) -> None:
         """Hold the components named by letters of vertices or along edges."""
         self._no_surface(chosen)
+        if axes is not None:
+            raise InputError(
+                f"support on '{chosen.label}': Argyris elements on a chart hold translations along the global axes "
+                f"only: {USE_KOITER}"
+            )
         mesh = self.surface.mesh
         vertices = chosen.members if chosen.dimension == 0 else np.unique(mesh.edges[chosen.members])
         x = self.surface.chart.derivatives(*mesh.points[vertices, :2].T, order=0)[0]

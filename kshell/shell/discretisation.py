@@ -175,8 +175,8 @@ class KoiterConditions:
         self.surface = surface
         self.kernel = Supports(surface)
 
-    def translations(self, chosen: Selection, letters: str, value: OfPlace) -> None:
-        """Hold the components named by letters at the nodes of vertices, edges or triangles."""
+    def translations(self, chosen: Selection, letters: str, value: OfPlace, axes: Any = None) -> None:
+        """Hold the components named by letters, in own axes (3, 3) if given, at nodes of vertices, edges, triangles."""
         surface = self.surface
         if chosen.dimension == 0:
             nodes: Any = chosen.members
@@ -184,7 +184,13 @@ class KoiterConditions:
             nodes = surface.nodes_of_edges(chosen.members)
         else:
             nodes = surface.nodes_of_triangles(chosen.members)
-        self.kernel.translation(nodes, letters, value(surface.nodes[nodes]))
+        values = value(surface.nodes[nodes])
+        if axes is None:
+            self.kernel.translation(nodes, letters, values)
+            return
+        for letter in letters:
+            axis = np.array(axes["xyz".index(letter)])
+            self.kernel.along(nodes, axis, values @ axis)
 
     def rotations(self, chosen: Selection, what: str) -> None:
         """Hold the rotation about edges, in a surface about all of its edges."""

@@ -131,7 +131,8 @@ def _add(out: SceneSupports, support: Any, on: Any, mesh: Mesh, discretisation: 
             continue
         letters = support.freedoms.replace("r", "")
         if letters:
-            conditions.translations(chosen, letters, support.translation_at)
+            axes = getattr(support, "axes", None)
+            conditions.translations(chosen, letters, support.translation_at, axes)
         if "r" in support.freedoms:
             conditions.rotations(chosen, what)
     out.groups.append(HeldGroup(chosen.label, conditions=own))
