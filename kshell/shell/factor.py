@@ -44,9 +44,10 @@ def factorise(matrix: sp.spmatrix, symmetric: bool = True) -> Factor:
     """
     if not np.all(np.isfinite(matrix.data)):
         raise SolveError("the stiffness is not finite: the step led too far away")
-    if symmetric:
+    cholesky = next((backend for backend in installed_backends() if backend.key != "superlu"), None)
+    if symmetric and cholesky is not None:  # SuperLU would factorise an indefinite matrix without a word
         try:
-            solve: Callable[[Any], Any] = installed_backends()[0].factorise(matrix.tocsr())[0]
+            solve: Callable[[Any], Any] = cholesky.factorise(matrix.tocsr())[0]
             return Factor(solve)
         except Singular:
             pass  # not positive definite: the pivots below say how far
