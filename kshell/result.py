@@ -12,13 +12,14 @@ principal_forces, and the frame of all these tensors: frame_axis_1 (3) and norma
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.deferred import Deferred
 from kshell.errors import InputError, SolveError
 from kshell.naming import listing, suggestion
 
@@ -46,7 +47,8 @@ class Result:
     ----------
     mesh : Mesh
     fields : dict of str to (vertex, k) array
-        Values at vertices, see the module's list.
+        Values at vertices, see the module's list. Those of a plate are recovered when they are first looked at, as are
+        its cell fields and extremes.
     unknowns : int
         Size of the linear system before supports.
     model : dict
@@ -79,7 +81,7 @@ class Result:
     """
 
     mesh: Mesh
-    fields: dict[str, Floats]
+    fields: MutableMapping[str, Floats]
     unknowns: int
     model: dict[str, Any]
     title: str = ""
@@ -90,8 +92,8 @@ class Result:
     balance: float = 0.0
     strain_energy: float = 0.0
     external_work: float = 0.0
-    extremes: dict[str, dict[str, Any]] = field(default_factory=dict)
-    cell_fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    extremes: MutableMapping[str, dict[str, Any]] = field(default_factory=dict)
+    cell_fields: MutableMapping[str, NDArray[Any]] = field(default_factory=dict)
     edge_fields: dict[str, Floats] = field(default_factory=dict)
     energies: dict[str, float] = field(default_factory=dict)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
@@ -102,7 +104,8 @@ class Result:
 
     def __post_init__(self) -> None:
         if not self.extremes:
-            self.extremes = find_extremes(self.mesh.points, self.fields)
+            points, fields = self.mesh.points, self.fields
+            self.extremes = Deferred(lambda: find_extremes(points, fields))
 
     def probe(self, name: str) -> dict[str, Any]:
         """Values at a probe: x, u (3,), rotation (3,), M (3,), N (3,), stress_top (3,), stress_bottom (3,).

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.clock import Clock, Stage, peak_memory_mb
+from kshell.deferred import Deferred
 from kshell.errors import SolveError
 from kshell.mesh.check import plate_problems
 from kshell.mesh.mesh import Mesh
 from kshell.modelling import choose_model
 from kshell.options import SolveOptions
+from kshell.plate.domain import Domain
 from kshell.plate.problem import PlateProblem, choose_element
 from kshell.plate.product import strain_product
 from kshell.plate.reactions import ReactionFinder
@@ -20,7 +22,9 @@ from kshell.plate.recovery import Fields
 from kshell.probing import probe_values
 from kshell.result import Result, no_error_estimate
 from kshell.scene import Scene
+from kshell.section import Section
 from kshell.solve import Solution, solve_system
+from kshell.solve.dense import solve_dense
 from kshell.tensors import principal, von_mises
 
 Floats = NDArray[np.float64]
@@ -56,7 +60,7 @@ def solve_plate(
         plate_problems(mesh)
         choice = choose_element(options, mesh)
         problem = PlateProblem(scene, mesh, choice.element)
-        system = problem.assembled
+        system = problem.system
     with clock.stage("solve"):
         solution = _solve(problem, system.fixed_load + system.load, options)
         d = problem.reduction.expand(np.asarray(solution.x, dtype=np.float64))
@@ -93,6 +97,10 @@ def _solve(problem: PlateProblem, rhs: Floats, options: SolveOptions) -> Solutio
     if problem.reduction.count == 0:
         none = np.zeros(0)
         return Solution(none, "none", "the supports hold every degree of freedom", 0, (0.0,), 0.0, 0.0)
+    if problem.small and options.solver != "multigrid":
+        found = solve_dense(problem.system.matrix, rhs)
+        if found is not None:
+            return found
     # rounding of the matrix costs quintics digits on fine meshes: residuals through strains keep them
     fine = problem.element.maxdeg > 2 and problem.reduction.count > ROUNDED_FROM
     product = strain_product(problem) if fine else None
@@ -106,6 +114,7 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
         problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending
     )
     reactions = finder.find(d, problem.loads.forms, fields)
+    section, domain = problem.section, problem.domain
     warnings = [*problem.warnings(), *solution.warnings]
     if reactions.balance > UNBALANCED:
         warnings.append(
@@ -118,8 +127,8 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
     error["budget"]["algebra"] = float(solution.energy_error)
     return Result(
         mesh=mesh,
-        fields=vertex_fields(fields),
-        cell_fields=_cell_fields(problem, fields),
+        fields=Deferred(lambda: vertex_fields(fields)),
+        cell_fields=Deferred(lambda: _cell_fields(section, domain, fields)),
         unknowns=problem.reduction.count,
         model={},
         title=scene.title,
@@ -149,11 +158,12 @@ def vertex_fields(fields: Fields) -> dict[str, Floats]:
     return out
 
 
-def _cell_fields(problem: PlateProblem, fields: Fields) -> dict[str, NDArray[Any]]:
-    triangles = np.arange(len(problem.mesh.triangles))
-    centroids = problem.mesh.points[problem.mesh.triangles].mean(axis=1)[:, None]
+def _cell_fields(section: Section, domain: Domain, fields: Fields) -> dict[str, NDArray[Any]]:
+    mesh = domain.mesh
+    triangles = np.arange(len(mesh.triangles))
+    centroids = mesh.points[mesh.triangles].mean(axis=1)[:, None]
     return {
-        "thickness": problem.section.thickness(triangles, centroids)[:, 0],
+        "thickness": section.thickness(triangles, centroids)[:, 0],
         "moment": fields.centroid_moments,
     }
 

@@ -50,15 +50,27 @@ class Fields:
 
     def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
         """Derivatives of one order at reference points, (n, point, partial); order 2 is w_xx, w_yy, 2 w_xy."""
+        table = self.element.basis.tabulate(xi, order)  # (..., point, partial, reference dof)
         parts = []
         for start in range(0, len(triangles), BLOCK):
-            block = triangles[start : start + BLOCK]
-            affine = self.domain.affine(block)
-            m = self.element.transformation(affine)
-            vector = m @ self.d[self.layout.triangle_dofs(block)][:, :, None]
-            points = xi if xi.ndim == 2 else xi[start : start + BLOCK]
-            parts.append(matrices.rows(self.element, affine, points, order, vector)[..., 0])
-        return np.concatenate(parts)
+            block = triangles if len(triangles) <= BLOCK else triangles[start : start + BLOCK]
+            local = self._reference_dofs[block]
+            if xi.ndim == 2:
+                found = (local @ table.reshape(-1, local.shape[1]).T).reshape(len(block), *table.shape[:2])
+            else:
+                found = (table[start : start + BLOCK] @ local[:, None, :, None])[..., 0]
+            to_xy = matrices.derivative_map(self.domain.affine(block), order)
+            parts.append(found if to_xy is None else found @ np.swapaxes(to_xy, 1, 2))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    @cached_property
+    def _reference_dofs(self) -> Floats:
+        """(triangle, reference dof) the solution on the reference triangle."""
+        out = np.empty((len(self.domain.mesh.triangles), self.element.count))
+        for block in self.domain.blocks():
+            m = self.element.transformation(self.domain.affine(block))
+            out[block] = (m @ self.d[self.layout.triangle_dofs(block)][:, :, None])[..., 0]
+        return out
 
     def curvature(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
         """Elastic curvature kappa - kappa_0 (n, point, 3) at points of triangles."""
