@@ -1,47 +1,53 @@
-"""Named values that are computed when one of them is first looked at."""
+"""Named values each of which is computed when it is first looked at."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, MutableMapping
-from functools import cached_property
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
 
 
 class Deferred(MutableMapping[str, T]):
-    """A dict that is made on first use; copied and pickled as the plain dict it stands for.
+    """A dict whose values are made on first use; copied and pickled as the plain dict it stands for.
 
     Parameters
     ----------
-    make : function
-        Returns the dict; called once.
+    makers : dict of str to function
+        Each returns the value of its key; called once at most.
     """
 
-    def __init__(self, make: Callable[[], dict[str, T]]) -> None:
-        self._make = make
-
-    @cached_property
-    def _made(self) -> dict[str, T]:
-        return self._make()
+    def __init__(self, makers: Mapping[str, Callable[[], T]]) -> None:
+        self._values: dict[str, Callable[[], T] | _Made[T]] = dict(makers)
 
     def __getitem__(self, key: str) -> T:
-        return self._made[key]
+        found = self._values[key]
+        if not isinstance(found, _Made):
+            found = self._values[key] = _Made(found())
+        return found.value
 
     def __setitem__(self, key: str, value: T) -> None:
-        self._made[key] = value
+        self._values[key] = _Made(value)
 
     def __delitem__(self, key: str) -> None:
-        del self._made[key]
+        del self._values[key]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._made)
+        return iter(self._values)
 
     def __len__(self) -> int:
-        return len(self._made)
+        return len(self._values)
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._values
 
     def __repr__(self) -> str:
-        return repr(self._made)
+        return repr(dict(self))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return dict, (self._made,)
+        return dict, (dict(self),)
+
+
+class _Made(Generic[T]):
+    def __init__(self, value: T) -> None:
+        self.value = value

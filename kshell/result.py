@@ -114,8 +114,7 @@ class Result:
 
     def __post_init__(self) -> None:
         if not self.extremes:
-            points, fields = self.mesh.points, self.fields
-            self.extremes = Deferred(lambda: find_extremes(points, fields))
+            self.extremes = find_extremes(self.mesh.points, self.fields)
 
     def probe(self, name: str) -> dict[str, Any]:
         """Values at a probe: x, u (3,), rotation (3,), M (3,), N (3,), stress_top (3,), stress_bottom (3,).
@@ -254,19 +253,22 @@ class Result:
         return show(self, what, scale, file)
 
 
-def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> dict[str, dict[str, Any]]:
+def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
     """Largest deflection in size (with its sign) and largest von Mises stress, each with its vertex."""
-    candidates: dict[str, Floats] = {}
+    faces = [name for name in ("von_mises_top", "von_mises_bottom") if name in fields]
+    makers = {}
     if "displacement" in fields:
-        candidates["deflection"] = fields["displacement"][:, 2]
-    faces = [np.ravel(fields[name]) for name in ("von_mises_top", "von_mises_bottom") if name in fields]
+        makers["deflection"] = lambda: _extreme(points, fields["displacement"][:, 2])
     if faces:
-        candidates["von_mises"] = np.max(faces, axis=0)
-    extremes = {}
-    for name, values in candidates.items():
-        place = int(np.argmax(np.abs(values)))
-        extremes[name] = {"value": float(values[place]), "at": points[place].tolist()}
-    return extremes
+        makers["von_mises"] = lambda: _extreme(
+            points, np.max([np.ravel(fields[name]) for name in faces], axis=0)
+        )
+    return Deferred(makers)
+
+
+def _extreme(points: Floats, values: Floats) -> dict[str, Any]:
+    place = int(np.argmax(np.abs(values)))
+    return {"value": float(values[place]), "at": points[place].tolist()}
 
 
 def _plain(value: Any, where: str) -> Any:

@@ -127,8 +127,8 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
     error["budget"]["algebra"] = float(solution.energy_error)
     return Result(
         mesh=mesh,
-        fields=Deferred(lambda: vertex_fields(fields)),
-        cell_fields=Deferred(lambda: _cell_fields(section, domain, fields)),
+        fields=vertex_fields(fields),
+        cell_fields=_cell_fields(section, domain, fields),
         unknowns=problem.reduction.count,
         model={},
         title=scene.title,
@@ -145,27 +145,31 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
     )
 
 
-def vertex_fields(fields: Fields) -> dict[str, Floats]:
+def vertex_fields(fields: Fields) -> Deferred[Floats]:
     """All fields at vertices, with stresses and principal values derived from the moments."""
-    out = dict(fields.vertex_values)
-    mesh = fields.domain.mesh
-    first = np.zeros(len(mesh.points), dtype=np.int64)
-    first[mesh.triangles.ravel()] = np.repeat(np.arange(len(mesh.triangles)), 3)
-    top, bottom = fields.stresses(out["moment"], first, fields.domain.points)
-    out["stress_top"], out["stress_bottom"] = top, bottom
-    out["von_mises_top"], out["von_mises_bottom"] = von_mises(top), von_mises(bottom)
-    out["principal_moments"] = principal(out["moment"])
-    return out
+    return Deferred(
+        {
+            "displacement": lambda: fields.vertex_displacement,
+            "rotation": lambda: fields.vertex_rotation,
+            "moment": lambda: fields.vertex_forces[0],
+            "shear": lambda: fields.vertex_forces[1],
+            "stress_top": lambda: fields.vertex_stresses[0],
+            "stress_bottom": lambda: fields.vertex_stresses[1],
+            "von_mises_top": lambda: von_mises(fields.vertex_stresses[0]),
+            "von_mises_bottom": lambda: von_mises(fields.vertex_stresses[1]),
+            "principal_moments": lambda: principal(fields.vertex_forces[0]),
+        }
+    )
 
 
-def _cell_fields(section: Section, domain: Domain, fields: Fields) -> dict[str, NDArray[Any]]:
+def _cell_fields(section: Section, domain: Domain, fields: Fields) -> Deferred[NDArray[Any]]:
     mesh = domain.mesh
-    triangles = np.arange(len(mesh.triangles))
-    centroids = mesh.points[mesh.triangles].mean(axis=1)[:, None]
-    return {
-        "thickness": section.thickness(triangles, centroids)[:, 0],
-        "moment": fields.centroid_moments,
-    }
+
+    def thickness() -> Floats:
+        centroids = mesh.points[mesh.triangles].mean(axis=1)[:, None]
+        return section.thickness(np.arange(len(mesh.triangles)), centroids)[:, 0]
+
+    return Deferred({"thickness": thickness, "moment": lambda: fields.centroid_moments})
 
 
 def _probes(scene: Scene, mesh: Mesh, fields: Fields) -> tuple[dict[str, dict[str, Any]], list[str]]:

@@ -174,21 +174,27 @@ def test_places_that_cannot_be_written(tmp_path):
 def test_deferred_values_are_made_once_and_copied_as_a_dict():
     calls = []
 
-    def make():
-        calls.append(1)
-        return {"a": 1.0, "b": 2.0}
+    def make(value):
+        calls.append(value)
+        return value
 
-    deferred = Deferred(make)
+    deferred = Deferred({"a": lambda: make(1.0), "b": lambda: make(2.0)})
+    assert list(deferred) == ["a", "b"]
+    assert "b" in deferred
+    assert len(deferred) == 2
     assert not calls
-    assert deferred["a"] == 1.0
+    assert deferred["a"] == deferred["a"] == 1.0
+    assert calls == [1.0]
     assert dict(deferred) == {"a": 1.0, "b": 2.0}
-    assert len(calls) == 1
+    assert calls == [1.0, 2.0]
     deferred["c"] = 3.0
     del deferred["a"]
     for other in (copy.deepcopy(deferred), pickle.loads(pickle.dumps(deferred))):
         assert type(other) is dict
         assert other == {"b": 2.0, "c": 3.0}
     assert repr(deferred) == "{'b': 2.0, 'c': 3.0}"
+    with pytest.raises(KeyError):
+        deferred["a"]
 
 
 def test_fields_of_a_plate_are_recovered_when_they_are_looked_at(monkeypatch):
