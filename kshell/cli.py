@@ -59,6 +59,7 @@ DESCRIBING = (
     "pressure",
     "mesh_size",
     "mesh_order",
+    "geometry",
 )
 
 
@@ -120,6 +121,10 @@ def solve(
     ] = None,
     mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
     mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,
+    geometry: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Of a flat-sided mesh: .geo, .step, .brep to curve it onto."),
+    ] = None,
     model: Annotated[str | None, typer.Option(metavar="auto|plate|shell", help="Which model.")] = None,
     element: Annotated[
         str | None, typer.Option(metavar="auto|morley|argyris|koiter", help="Which element.")
@@ -142,6 +147,7 @@ def solve(
         "pressure": pressure,
         "mesh_size": mesh_size,
         "mesh_order": mesh_order,
+        "geometry": geometry,
     }
     begin = time.perf_counter()
     scene = _scene(source, plate, set_ or [])
@@ -246,6 +252,7 @@ def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:
         loads=loads,
         mesh_size=given.get("mesh_size"),
         mesh_order=given.get("mesh_order"),
+        geometry=given.get("geometry"),
         title=mesh.name,
     )
 
