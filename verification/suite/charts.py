@@ -69,7 +69,10 @@ def _margins(report: Report) -> Figure:
         axes.semilogy(x, y, marker, color=colour, markersize=3, alpha=0.5, label=words)
     axes.axhline(1.0, color="black", linewidth=1)
     axes.text(0.003, 1.15, "fails above", transform=axes.get_yaxis_transform(), fontsize=8)
-    axes.set_xticks(range(len(families)), families, rotation=20, fontsize=8)
+    axes.set_xticks(
+        range(len(families)), families, rotation=30, ha="right", rotation_mode="anchor", fontsize=8
+    )
+    axes.set_ylim(5e-7, 4 if not report.failed else None)
     axes.set(
         ylabel="error / allowed error", title=f"{report.cases} cases, {len(values)} values: margin to failure"
     )
