@@ -98,7 +98,7 @@ def regular() -> Iterator[Case]:
         6: (6, 6, 16),
         8: (10, 6, 16),
         12: (16, 6, 12),
-        16: (20, 6, 10),
+        16: (14, 6, 10),
     }
     for sides, (layers, argyris, morley) in how.items():
         yield case(
