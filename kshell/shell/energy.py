@@ -11,7 +11,8 @@ This module knows nothing else about shells; a discretisation supplies s, s' and
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ from numpy.typing import NDArray
 from kshell.shell.sparsity import Sparsity
 
 Floats = NDArray[np.float64]
+
+KEPT_ENTRIES = 8_000_000  # of strains differentiated by unknowns: 64 MB
 
 
 class Energy(NamedTuple):
@@ -173,7 +176,16 @@ class StrainEnergy(ABC):
             self.sparsity.add(data, triangles, matrices)
         return self.sparsity.matrix(data)
 
-    def _rest_gradients(self) -> Iterator[tuple[slice, Floats]]:
+    def _rest_gradients(self) -> Iterable[tuple[slice, Floats]]:
+        """s' at rest, block by block; kept where it is small, because a linear solution needs it half a dozen times."""
+        small = self.initial.shape[1] * self.triangle_unknowns.size <= KEPT_ENTRIES
+        return self._kept_gradients if small else self._made_gradients()
+
+    @cached_property
+    def _kept_gradients(self) -> list[tuple[slice, Floats]]:
+        return list(self._made_gradients())
+
+    def _made_gradients(self) -> Iterator[tuple[slice, Floats]]:
         x = np.zeros(self.unknowns)
         for triangles in self.blocks:
             yield triangles, self._gradient(self._state(x, self.rest, triangles), triangles)

@@ -2,8 +2,9 @@
 
     python verification/peers/calculix_shell.py JOB.json        see job.py
 
-Arrays of a mesh: points (n, 3), cells (m, 8), normals (n, 3), fixed (n, 6), force (n, 3), read (node, axis, sign). Of the job:
-element, a name of CalculiX; material (E, nu, thickness). Timed are the writing of the input and the run of ccx.
+Arrays of a mesh: points (n, 3), cells (m, 8), normals (n, 3), fixed (n, 6), force (n, 3), read (node, axis, sign).
+Of the job: element, a name of CalculiX; material (E, nu, thickness). Timed are the writing of the input and the run of
+ccx.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ def _input(arrays: dict[str, Any], job: dict[str, Any]) -> str:
     lines += [",".join(map(str, [k, *nodes])) for k, nodes in enumerate((cells + 1).tolist(), start=1)]
     lines.append("*NORMAL")  # without them ccx joins neighbours by stiff knots
     for k, nodes in enumerate(cells.tolist(), start=1):
-        lines += ["%d,%d,%.12g,%.12g,%.12g" % (k, node + 1, *normals[node]) for node in nodes]
+        lines += [f"{k},{node + 1},{','.join(f'{x:.12g}' for x in normals[node])}" for node in nodes]
     lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{young:.15g},{nu:g}"]
     lines += ["*SHELL SECTION, ELSET=SHELL, MATERIAL=M", f"{thickness:g}", "*BOUNDARY"]
     lines += [f"{node + 1},{axis + 1},{axis + 1}" for node, axis in np.argwhere(arrays["fixed"]).tolist()]

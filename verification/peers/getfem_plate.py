@@ -1,4 +1,4 @@
-"""Plates by GetFEM: its own Argyris, Hsieh-Clough-Tocher and Morley elements. A script that needs numpy and getfem alone.
+"""Plates by GetFEM: Argyris, Hsieh-Clough-Tocher and Morley elements. A script that needs numpy and getfem alone.
 
     python verification/peers/getfem_plate.py JOB.json        see job.py
 

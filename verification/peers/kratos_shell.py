@@ -1,9 +1,10 @@
-"""Plates and shells by Kratos: thin triangles (discrete Kirchhoff bending). Needs numpy and Kratos with two applications.
+"""Plates and shells by Kratos: thin triangles (discrete Kirchhoff bending). Needs numpy and Kratos, two applications.
 
     python verification/peers/kratos_shell.py JOB.json        see job.py
 
-Arrays of a mesh: points (n, 3), cells (m, 3), fixed (n, 6), force (n, 3), read (node, axis, sign). Of the job: element, a
-name of Kratos; material (E, nu, thickness); steps, 0 for small deflections, else Newton's method in so many load steps.
+Arrays of a mesh: points (n, 3), cells (m, 3), fixed (n, 6), force (n, 3), read (node, axis, sign). Of the job: element,
+a name of Kratos; material (E, nu, thickness); steps, 0 for small deflections, else Newton's method in so many load
+steps.
 """
 
 from __future__ import annotations
@@ -93,7 +94,11 @@ def solve(arrays: dict[str, Any], job: dict[str, Any]) -> Any:
         u = np.array([list(part.Nodes[k].GetSolutionStepValue(Kratos.DISPLACEMENT)) for k in nodes])
         node, axis, sign = arrays["read"].tolist()
         unknowns = int((~arrays["fixed"]).sum())
-        return {"unknowns": unknowns, "w": sign * float(u[node, axis]), "compliance": float(np.sum(forces * u))}
+        return {
+            "unknowns": unknowns,
+            "w": sign * float(u[node, axis]),
+            "compliance": float(np.sum(forces * u)),
+        }
 
     read.model = model  # type: ignore[attr-defined]  # the part lives as long as its model
     return read

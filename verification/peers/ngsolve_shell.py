@@ -25,7 +25,6 @@ import numpy as np
 from job import run
 from surfaces import FREEDOMS, SURFACES, Surface
 
-
 KEPT: list[Any] = []  # what meshes refer to without owning it
 # of the reference triangle of NGSolve
 CORNERS = ((1.0, 0.0), (0.0, 1.0), (0.0, 0.0))

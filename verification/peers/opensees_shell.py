@@ -1,9 +1,10 @@
-"""Plates and shells by OpenSees: thin triangles and quadrilaterals (discrete Kirchhoff bending). Needs numpy and openseespy.
+"""Plates and shells by OpenSees: thin triangles and quadrilaterals (discrete Kirchhoff bending). Needs openseespy.
 
     python verification/peers/opensees_shell.py JOB.json        see job.py
 
-Arrays of a mesh: points (n, 3), cells (m, 3 or 4), fixed (n, 6), force (n, 3), read (node, axis, sign). Of the job: element, a
-name of OpenSees; material (E, nu, thickness); steps, 0 for small deflections, else Newton's method in so many load steps.
+Arrays of a mesh: points (n, 3), cells (m, 3 or 4), fixed (n, 6), force (n, 3), read (node, axis, sign). Of the job:
+element, a name of OpenSees; material (E, nu, thickness); steps, 0 for small deflections, else Newton's method in so
+many load steps.
 """
 
 from __future__ import annotations
@@ -50,7 +51,11 @@ def solve(arrays: dict[str, Any], job: dict[str, Any]) -> Any:
         u = np.array([[ops.nodeDisp(k, axis) for axis in (1, 2, 3)] for k in range(1, len(forces) + 1)])
         node, axis, sign = arrays["read"].tolist()
         unknowns = int((fixed == 0).sum())
-        return {"unknowns": unknowns, "w": sign * float(u[node, axis]), "compliance": float(np.sum(forces * u))}
+        return {
+            "unknowns": unknowns,
+            "w": sign * float(u[node, axis]),
+            "compliance": float(np.sum(forces * u)),
+        }
 
     return read
 

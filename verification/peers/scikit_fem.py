@@ -145,7 +145,11 @@ def _measured(arrays: dict[str, Any], job: dict[str, Any]) -> Callable[[], dict[
     plate = solve(arrays["points"], arrays["triangles"], job["element"], job["kind"])
 
     def read() -> dict[str, Any]:
-        found = {"unknowns": plate.unknowns, "compliance": plate.compliance, "w": plate.deflection(*job["place"])}
+        found = {
+            "unknowns": plate.unknowns,
+            "compliance": plate.compliance,
+            "w": plate.deflection(*job["place"]),
+        }
         return {**found, "M": plate.moment_xx(*job["place"])} if job["element"] == "argyris" else found
 
     return read

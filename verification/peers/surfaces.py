@@ -7,7 +7,7 @@ Each is a rectangle of parameters u, v over the unit square of s, t and a chart 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 Triple = tuple[float, float, float]
@@ -45,8 +45,9 @@ class Surface:
     cells : cells along s and t for one of the count
     moment : (s, t)
         Where the moment is compared.
-    steps : int
-        Load steps of programs that take them as given; 0 for small deflections.
+    steps : dict of program to int
+        Load steps of programs that take them as given, the fewest with which they converge, if
+        they do; large deflections if any.
     """
 
     chart: tuple[str, dict[str, float]]
@@ -62,7 +63,7 @@ class Surface:
     graded: tuple[tuple[str, float], tuple[str, float]] = (("none", 0.0), ("none", 0.0))
     cells: tuple[float, float] = (1.0, 1.0)
     moment: Corner = (0.5, 0.5)
-    steps: int = 0
+    steps: dict[str, int] = field(default_factory=dict)
 
     def grid(self, count: int) -> tuple[int, int]:
         """Cells along s and t."""
@@ -173,7 +174,7 @@ SURFACES = {
         lines=(("right", (0.0, 0.0, 4.0)),),
         read=((1, 0), 2, 1.0),
         cells=(1.0, 1 / 16),
-        steps=20,
+        steps={"Kratos": 5, "OpenSees": 20},
     ),
     "slit_annulus": Surface(
         chart=("polar", {}),
@@ -184,6 +185,6 @@ SURFACES = {
         lines=(("right", (0.0, 0.0, 0.8)),),
         read=((1, 1), 2, 1.0),
         cells=(5.0, 1.0),
-        steps=40,
+        steps={"Kratos": 100, "OpenSees": 100},
     ),
 }

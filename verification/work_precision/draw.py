@@ -73,6 +73,9 @@ def chart(comparison: Comparison, rows: Sequence[Row], facts: dict[str, str]) ->
     missing = sorted({METHODS[row["method"]].program for row in own if row["version"] == "not installed"})
     words = [TIMED, one_line(facts)]
     words += [f"Not installed: {', '.join(missing)}"] if missing else []
+    words += sorted(
+        {f"{row['method']}: {row['version']}" for row in own if row["version"].startswith("no answer")}
+    )
     if any(reference.uncertainty > 1e-9 for reference in comparison.references.values()):
         words[0] += "\nShaded: below the uncertainty of the reference."
     figure.supxlabel("\n".join(words), fontsize=6.5, color="0.3")

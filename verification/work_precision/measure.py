@@ -49,7 +49,9 @@ def interpreter(program: str, peers_python: str | None) -> str | None:
     for candidate in (peers_python, sys.executable, SYSTEM_PYTHON):
         if candidate is None or shutil.which(candidate) is None:
             continue
-        done = subprocess.run([candidate, "-c", f"import numpy, {NEEDS[program]}"], capture_output=True, check=False)
+        done = subprocess.run(
+            [candidate, "-c", f"import numpy, {NEEDS[program]}"], capture_output=True, check=False
+        )
         if done.returncode == 0:
             return candidate
     return None
@@ -70,7 +72,7 @@ def rows_of(
         if not files[-1].exists():
             np.savez(files[-1], **problem.arrays(method.feed, count))
     job = {
-        **problem.facts(),
+        **problem.facts(method.program),
         "meshes": [str(file) for file in files],
         "element": method.element,
         "solver": method.solver,
@@ -94,7 +96,8 @@ def rows_of(
     for count, line in zip(counts, lines, strict=False):
         yield _row(comparison, method, count, json.loads(line))
     if done.returncode and len(lines) < len(counts):
-        said = (done.stderr.strip().splitlines() or [f"ended after {LIMIT} s of CPU"])[-1]
+        words = [line for line in done.stderr.strip().splitlines() if not line.startswith("Process ")]
+        said = words[-1] if words else f"ended after {LIMIT} s of CPU"
         yield _nothing(comparison, method, counts[len(lines)], f"no answer: {said}")
 
 

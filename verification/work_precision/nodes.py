@@ -130,7 +130,7 @@ def of_surface(surface: Surface, count: int, nodes: int) -> dict[str, Any]:
 
 
 def _keep_turns_about(fixed: NDArray[np.bool_], points: Floats, on: Ints) -> None:
-    """Release all rotations of a side but that about the axis nearest to it: CalculiX makes rigid knots of the others."""
+    """Release all rotations of a side but that about the axis nearest to it: CalculiX makes the others rigid knots."""
     order = on[np.argsort(np.linalg.norm(points[on] - points[on[0]], axis=1))]
     along = np.abs(np.gradient(points[order], axis=0)).argmax(axis=1)
     held = fixed[order, 3 + along].copy()
@@ -157,4 +157,10 @@ def of_plate(points: Floats, triangles: Ints, edges: Ints, kind: str, place: Any
             fixed[np.unique(edges[parallel]), turn] = True
     node = int(np.argmin(np.linalg.norm(points[:, :2] - place, axis=1)))
     force = area_forces(points, triangles, (0.0, 0.0, 1.0))
-    return {"points": points, "cells": triangles, "fixed": fixed, "force": force, "read": np.array([node, 2, 1])}
+    return {
+        "points": points,
+        "cells": triangles,
+        "fixed": fixed,
+        "force": force,
+        "read": np.array([node, 2, 1]),
+    }

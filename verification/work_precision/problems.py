@@ -1,7 +1,7 @@
 """What a comparison is about: a plate or a shell, with references, meshes, and the methods that run on it.
 
-All methods get the same grids, as triangles or as quadrilaterals; NGSolve meshes the disk itself. A mesh comes as arrays
-that depend on what a driver takes, its feed:
+All methods get the same grids, as triangles or as quadrilaterals; NGSolve meshes the disk itself. A mesh comes as
+arrays that depend on what a driver takes, its feed:
 
 scene                       for kshell: points, triangles, boundary edges by group, and middles where edges are curved
 plane                       points, triangles, boundary edges
@@ -69,8 +69,8 @@ class PlateComparison(Comparison):
     build: Callable[[int], ks.Mesh]
     place: tuple[float, float]
 
-    def facts(self) -> dict[str, Any]:
-        """What drivers are told."""
+    def facts(self, program: str) -> dict[str, Any]:
+        """What the driver of a program is told."""
         material = [12 * (1 - 0.3**2) / THIN**3, 0.3, THIN]
         return {
             "problem": self.id,
@@ -114,10 +114,11 @@ THIN = 1e-3
 class ShellComparison(Comparison):
     """A shell of surfaces.py that has the same id. The moment is its trace at a point."""
 
-    def facts(self) -> dict[str, Any]:
-        """What drivers are told."""
+    def facts(self, program: str) -> dict[str, Any]:
+        """What the driver of a program is told."""
         surface = SURFACES[self.id]
-        return {"problem": self.id, "material": list(surface.material), "steps": surface.steps}
+        steps = surface.steps.get(program, 0)
+        return {"problem": self.id, "material": list(surface.material), "steps": steps}
 
     def arrays(self, feed: str, count: int) -> Arrays:
         """A mesh for a driver."""

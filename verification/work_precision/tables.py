@@ -89,10 +89,8 @@ def first(comparisons: Sequence[Comparison], rows: Sequence[Row]) -> str:
             who = OURS if leads else METHODS[s.peer["method"]].program if s.peer else "nobody"
             ratio = "-" if s.ours is None or s.peer is None else f"{max(s.ratio, 1 / s.ratio):.1f}"
             name = f"**{who}**" if not leads else who
-            lines.append(
-                f"| {comparison.id} | {NAMES[s.quantity]} | {s.target:.0e} | {_words(s.ours)} | {_words(s.peer)} | {name} "
-                f"| {ratio} |"
-            )
+            cells = [_head(s), _words(s.ours), _words(s.peer), name, ratio]
+            lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
@@ -119,21 +117,20 @@ def reason(standing: Standing, rows: Sequence[Row]) -> str:
         return f"{METHODS[peer['method']].id} has the higher order, or eliminates inside the elements"
     least = min(row["seconds"] for row in rows if _is_ours(row))
     if least >= peer["seconds"]:
-        return f"fixed cost: kshell's smallest mesh here takes {least:.3g} s for checks, supports, recovery and reactions"
+        return f"fixed cost: kshell's smallest mesh takes {least:.3g} s for checks, supports, recovery, equilibrium"
     if ours["unknowns"] <= peer["unknowns"]:
-        return (
-            f"fewer unknowns ({int(ours['unknowns'])} for {int(peer['unknowns'])}), but "
-            f"{ours['seconds'] / ours['unknowns'] / (peer['seconds'] / peer['unknowns']):.1f} times the time for each"
-        )
-    return f"{int(ours['unknowns'])} unknowns for {int(peer['unknowns'])}: the element of the peer is more accurate here"
+        each = (ours["seconds"] / ours["unknowns"]) / (peer["seconds"] / peer["unknowns"])
+        return f"fewer unknowns than the peer, but {each:.1f} times the time for each"
+    return "more unknowns: the element of the peer is more accurate here"
 
 
 def not_first(comparisons: Sequence[Comparison], rows: Sequence[Row]) -> str:
     """Markdown of `behind`."""
     lines = ["| problem | quantity | error | in | kshell | peer | why |", "|---|---|---|---|---|---|---|"]
     for s, why in behind(comparisons, rows):
-        lines.append(
-            f"| {s.comparison.id} | {NAMES[s.quantity]} | {s.target:.0e} | {s.by} | {_words(s.ours)} | {_words(s.peer)} "
-            f"| {why} |"
-        )
+        lines.append(f"| {' | '.join([_head(s), s.by, _words(s.ours), _words(s.peer), why])} |")
     return "\n".join(lines) + "\n"
+
+
+def _head(s: Standing) -> str:
+    return f"{s.comparison.id} | {NAMES[s.quantity]} | {s.target:.0e}"
