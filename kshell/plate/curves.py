@@ -206,7 +206,9 @@ def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], 
     # the turn of a corner is no curvature, and what lies beyond it belongs to another line
     at_corner = corner.astype(float)
     far_ahead = np.where(neighbour(at_corner, 2) + neighbour(at_corner, 3) > 0, ahead, neighbour(bend, 3))
-    far_behind = np.where(neighbour(at_corner, -2) + neighbour(at_corner, -3) > 0, behind, neighbour(bend, -3))
+    far_behind = np.where(
+        neighbour(at_corner, -2) + neighbour(at_corner, -3) > 0, behind, neighbour(bend, -3)
+    )
     change = np.abs(ahead - behind)
     before_it = np.abs(behind - far_behind)
     after_it = np.abs(far_ahead - ahead)
