@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ from numpy.typing import NDArray
 
 from kshell.shell.edges import Directors, turn_directors
 from kshell.shell.energy import Energy, StrainEnergy
-from kshell.shell.factor import Factor, factorise
+from kshell.shell.factor import Factoriser
 from kshell.shell.koiter import Koiter
 from kshell.shell.supports import Reduction
+from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
@@ -66,11 +68,15 @@ class Problem:
         if self.springs is not None:
             residual = residual - self.springs @ x
             tangent = None if tangent is None else tangent + self.springs
-        return Energy(energy.value, energy.gradient, tangent), residual, growth
+        return energy._replace(hessian=tangent), residual, growth
 
-    def factorise(self, tangent: sp.spmatrix) -> Factor:
-        """The tangent in the free unknowns, factorised."""
-        return factorise(self.reduction.reduce(tangent), symmetric=self.follower is None)
+    @cached_property
+    def _factoriser(self) -> Factoriser:
+        return Factoriser(self.reduction, self.energy.elimination, symmetric=self.follower is None)
+
+    def factorise(self, tangent: sp.csr_matrix) -> Factor:
+        """The tangent in the free unknowns, factorised; serves until the next one."""
+        return self._factoriser.factorise(tangent)
 
     def start(self) -> State:
         """The rest state."""

@@ -50,7 +50,7 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         change = basis @ step
         if iteration == 1 and moved:
             change = change + shift
-        stress = problem.energy.extrapolated_stress(x, change, state.memory)
+        stress = problem.energy.extrapolated_stress(energy.linear, change)
         x = x + change
         scale = abs(energy.value) + abs(factor * float(growth @ x))
         if iteration > 1 and work <= FINISHED * scale:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
-from kshell.shell.factor import Factor
+from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
@@ -137,7 +137,7 @@ class PathFollower:
                 more = correct(first, a, b)
                 change = b + more * a
             full = basis @ change + more * given
-            stress = problem.energy.extrapolated_stress(x, full, state.memory)
+            stress = problem.energy.extrapolated_stress(energy.linear, full)
             x, factor, moved = x + full, factor + more, moved + change
             scale = abs(energy.value) + abs(factor * float(growth @ x))
             if not np.all(np.isfinite(change)) or not np.isfinite(energy.value):
