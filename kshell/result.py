@@ -67,6 +67,13 @@ class Result:
         Values at the middle of edges, for pictures and files of curved triangles.
     energies : dict of str to float
         Parts of the strain energy of a shell: membrane, bending, springs.
+    path : list of dict
+        Of large deflections: per converged step factor, probes, iterations, and whether it is stable.
+    critical : list of dict
+        Limit points and bifurcations passed: kind, factor and the number of the step after it. Their modes are
+        the fields mode_1, mode_2, ...
+    series : list of (factor, callable)
+        Per entry of `path` a function that gives its Result.
     evaluate : callable, optional
         Points (n, 3) to a dict of arrays: values anywhere on the surface.
     error : dict
@@ -94,6 +101,9 @@ class Result:
     cell_fields: dict[str, NDArray[Any]] = field(default_factory=dict)
     edge_fields: dict[str, Floats] = field(default_factory=dict)
     energies: dict[str, float] = field(default_factory=dict)
+    path: list[dict[str, Any]] = field(default_factory=list)
+    critical: list[dict[str, Any]] = field(default_factory=list)
+    series: list[tuple[float, Callable[[], Result]]] = field(default_factory=list)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
     error: dict[str, Any] = field(default_factory=no_error_estimate)
     solver: dict[str, Any] = field(default_factory=dict)
@@ -163,7 +173,8 @@ class Result:
             "reactions": self.reactions,
             "balance": self.balance,
             "eigen": [],
-            "path": [],
+            "path": self.path,
+            **({"critical": self.critical} if self.critical else {}),
             "error": self.error,
             "solver": self.solver,
             "warnings": self.warnings,

@@ -38,7 +38,7 @@ class Energy(NamedTuple):
     value: float
     gradient: Any = None  # (unknowns,), None if not asked for
     hessian: Any = None  # sparse, None if not asked for
-    linear: Linear | None = None  # comes with the hessian
+    linear: Any = None  # Linear, comes with the gradient
 
 
 class StrainEnergy(ABC):
@@ -145,13 +145,12 @@ class StrainEnergy(ABC):
                 curved = self._geometric(state, mine if stress is None else stress[triangles], triangles)
                 matrices[:, : curved.shape[1], : curved.shape[1]] += curved
                 self.sparsity.put(room, triangles, matrices)
-                linear.strain[triangles] = strain
-                linear.gradients.append(gradient)
+            linear.strain[triangles] = strain
+            linear.gradients.append(gradient)
         if derivatives == 0:
             return Energy(value)
-        if room is None:
-            return Energy(value, self._gather(forces))
-        return Energy(value, self._gather(forces), self.sparsity.matrix(room), linear)
+        hessian = None if room is None else self.sparsity.matrix(room)
+        return Energy(value, self._gather(forces), hessian, linear)
 
     def extrapolated_stress(self, linear: Linear, step: Floats) -> Floats:
         """K (s + s' step): the stress after a step if the strains were linear. (triangle, r)."""
@@ -161,6 +160,13 @@ class StrainEnergy(ABC):
             strain = linear.strain[triangles] + np.matmul(gradient, change[:, :, None])[:, :, 0]
             result[triangles] = self._apply(triangles, strain[:, :, None])[:, :, 0]
         return result
+
+    def forces(self, linear: Linear, stress: Floats) -> Floats:
+        """s'^T stress: (unknowns,) forces in equilibrium with a stress (triangle, r)."""
+        forces = np.empty(self.triangle_unknowns.shape)
+        for triangles, gradient in zip(self.blocks, linear.gradients, strict=True):
+            forces[triangles] = np.matmul(stress[triangles, None, :], gradient)[:, 0]
+        return self._gather(forces)
 
     def linear_stiffness(self) -> sp.csr_matrix:
         """Second derivative of the energy at rest, without initial strains."""

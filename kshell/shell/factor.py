@@ -23,7 +23,7 @@ class Factoriser:
 
     Cholesky by CHOLMOD where it is installed and the matrix is positive definite. Otherwise pivots of both signs,
     by PARDISO or else by SuperLU in the order of nested dissection. Pattern and order are kept from one matrix to
-    the next, and so is the knowledge that the last one was not positive definite.
+    the next.
 
     Parameters
     ----------
@@ -41,10 +41,15 @@ class Factoriser:
         self._place[np.argsort(place[first], kind="stable")] = np.arange(len(first), dtype=np.int32)
         self._patterns: dict[bool, ReducedPattern] = {}
         self._solvers: dict[type, Any] = {}
-        self._definite = True
 
-    def factorise(self, matrix: sp.csr_matrix) -> Factor:
+    def factorise(self, matrix: sp.csr_matrix, definite: bool = True) -> Factor:
         """The matrix in the free unknowns, factorised. The factor serves until the next call.
+
+        Parameters
+        ----------
+        matrix : (unknowns, unknowns) sparse CSR
+        definite : bool
+            False where it is likely not positive definite, which saves the attempt at Cholesky factors.
 
         Raises
         ------
@@ -55,18 +60,15 @@ class Factoriser:
             raise SolveError("the stiffness is not finite: the step led too far away")
         if not self._basis.shape[1]:
             return Factor(np.zeros_like, lambda: 0)
-        if self._symmetric and CHOLMOD.installed and self._definite:
-            try:
-                return self._with(Cholmod, matrix)
-            except Singular:
-                self._definite = False  # the pivots below say how far
         try:
-            factor = self._with(Pardiso if self._symmetric and PARDISO.installed else SuperLU, matrix)
+            if self._symmetric and CHOLMOD.installed and definite:
+                try:
+                    return self._with(Cholmod, matrix)
+                except Singular:
+                    pass  # not positive definite: the pivots below say how far
+            return self._with(Pardiso if self._symmetric and PARDISO.installed else SuperLU, matrix)
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
-        if CHOLMOD.installed:
-            self._definite = factor.negative == 0
-        return factor
 
     def _with(self, kind: type, matrix: sp.csr_matrix) -> Factor:
         lower = kind is not SuperLU
@@ -89,4 +91,3 @@ class Factoriser:
             return np.asarray(factor.solve(moved))[place]
 
         return Factor(solve, factor.count_negative)
-

@@ -36,7 +36,7 @@ def correct(problem: Problem, state: State, factor: float) -> State:
     x, stress = state.x, None
     shift = (factor - state.factor) * given
     moved = bool(np.any(shift))
-    first = 0.0
+    first, definite = 0.0, state.negative == 0
     for iteration in range(1, MOST_ITERATIONS + 1):
         energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
         if not np.isfinite(energy.value):
@@ -44,7 +44,8 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         if iteration == 1 and moved:
             residual = residual - energy.hessian @ shift
         reduced = basis.T @ residual
-        tangent = problem.factorise(energy.hessian)
+        tangent = problem.factorise(energy.hessian, definite)
+        definite = tangent.definite
         step = tangent.solve(reduced)
         work = abs(float(reduced @ step))
         change = basis @ step

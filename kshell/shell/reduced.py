@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.shell.sparsity import stable_order
+from kshell.shell.sparsity import pattern_of, same_pattern, stable_order
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -39,7 +39,7 @@ class ReducedPattern:
     def __init__(
         self, matrix: sp.csr_matrix, basis: sp.spmatrix, place: Ints | None = None, lower: bool = True
     ) -> None:
-        self._indptr, self._indices = matrix.indptr, matrix.indices
+        self._of = pattern_of(matrix)
         self.size = int(basis.shape[1])
         row, column, source, factor = _terms(matrix, basis.tocsr(), place, lower)
         order = stable_order(row, self.size)
@@ -57,9 +57,7 @@ class ReducedPattern:
 
     def fits(self, matrix: sp.csr_matrix) -> bool:
         """Whether a matrix has the pattern this was made for."""
-        return (matrix.indices is self._indices and matrix.indptr is self._indptr) or (
-            np.array_equal(matrix.indptr, self._indptr) and np.array_equal(matrix.indices, self._indices)
-        )
+        return same_pattern(matrix, self._of)
 
     def entries(self, matrix: sp.csr_matrix) -> Floats:
         """The entries of T^T K T, for `indices` and `indptr`."""
@@ -88,7 +86,9 @@ def _terms(
     index = np.int32 if len(b) < 2**31 else np.int64
 
     row, column = np.repeat(first, np.diff(matrix.indptr)), first[b]
-    kept = np.flatnonzero((row >= column) & (column >= 0) if lower else (row >= 0) & (column >= 0)).astype(index)
+    kept = np.flatnonzero((row >= column) & (column >= 0) if lower else (row >= 0) & (column >= 0)).astype(
+        index
+    )
     parts = [(row[kept], column[kept], kept, _factor(basis.data, begin[a[kept]], begin[b[kept]]))]
     some = np.flatnonzero((count > 1)[a] | (count > 1)[b]).astype(index)
     a, b = a[some], b[some]

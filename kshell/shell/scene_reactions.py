@@ -24,9 +24,18 @@ ORTHONORMAL = 1e-9
 
 
 def find_reactions(
-    discretisation: Any, supports: SceneSupports, solution: LinearSolution, loads: list[Floats]
+    discretisation: Any,
+    supports: SceneSupports,
+    solution: LinearSolution,
+    loads: list[Floats],
+    moved: Floats | None = None,
 ) -> tuple[dict[str, dict[str, Floats]], float]:
     """Reactions per group, and the relative error of equilibrium.
+
+    Parameters
+    ----------
+    moved : (unknowns,), optional
+        Motion to the state in which forces have their arms; the shell at rest if absent.
 
     Returns
     -------
@@ -34,9 +43,9 @@ def find_reactions(
     balance : float
         What loads and reactions leave over, relative to the largest of them.
     """
-    about_origin = discretisation.rigid_motions(np.zeros(3), 1.0)
+    about_origin = discretisation.rigid_motions(np.zeros(3), 1.0, moved)
     centre, size = discretisation.extent()
-    scaled = discretisation.rigid_motions(centre, size)
+    scaled = discretisation.rigid_motions(centre, size, moved)
     parts = _shared(supports, solution.forces)
     parts += [
         (group.label, -(group.spring @ solution.x)) for group in supports.groups if group.spring is not None

@@ -72,7 +72,7 @@ class Sparsity:
             here += np.where(swapped, base[mine][:, i], base[mine][:, j])
             here += np.where(swapped, rank[mine][:, j], rank[mine][:, i])
 
-        upper = np.empty(self._half, dtype=index)
+        upper: Ints = np.empty(self._half, dtype=index)
         first = first.astype(index)
         for a in range(int(sizes.max())):
             for b in range(int(sizes.max())):
@@ -140,3 +140,44 @@ def stable_order(keys: Ints, count: int) -> Ints:
     ones = np.ones(len(keys), dtype=np.int8)
     rows = np.arange(len(keys) + 1, dtype=np.int32 if len(keys) < 2**31 else np.int64)
     return np.asarray(sp.csr_matrix((ones, keys, rows), shape=(len(keys), count)).tocsc().indices)
+
+
+class Added:
+    """Adds matrices of one pattern to matrices of another that holds it (springs, loads that turn with the surface)."""
+
+    def __init__(self) -> None:
+        self._of: tuple[sp.csr_matrix, sp.csr_matrix] | None = None
+        self._slots: Ints | None = None
+
+    def to(self, matrix: sp.csr_matrix, other: sp.csr_matrix, factor: float = 1.0) -> sp.csr_matrix:
+        """`matrix` + factor * `other`; in place where the pattern allows it."""
+        known = self._of
+        if known is None or not (same_pattern(known[0], matrix) and same_pattern(known[1], other)):
+            self._of = (pattern_of(matrix), pattern_of(other))
+            self._slots = _slots(matrix, other)
+        if self._slots is None:
+            return (matrix + factor * other).tocsr()
+        matrix.data[self._slots] += factor * other.data
+        return matrix
+
+
+def pattern_of(matrix: sp.csr_matrix) -> sp.csr_matrix:
+    """The pattern alone: entries that take no room of their own."""
+    return sp.csr_matrix((matrix.indices, matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def same_pattern(a: sp.csr_matrix, b: sp.csr_matrix) -> bool:
+    """Whether two matrices hold entries at the same places, in the same order."""
+    if a.indices is b.indices and a.indptr is b.indptr:
+        return True
+    return np.array_equal(a.indptr, b.indptr) and np.array_equal(a.indices, b.indices)
+
+
+def _slots(matrix: sp.csr_matrix, other: sp.csr_matrix) -> Ints | None:
+    """Place of each entry of `other` among those of `matrix`; None where it has entries of its own."""
+    if not other.has_canonical_format:
+        return None
+    number = sp.csr_matrix((np.arange(1, matrix.nnz + 1), matrix.indices, matrix.indptr), shape=matrix.shape)
+    row = np.repeat(np.arange(other.shape[0]), np.diff(other.indptr))
+    slots = np.asarray(number[row, other.indices]).ravel() - 1
+    return None if np.any(slots < 0) else slots

@@ -33,10 +33,13 @@ class Factor(NamedTuple):
         (n,) or (n, load) to the same.
     count_negative : callable
         The number of negative eigenvalues, by the signs of the pivots.
+    definite : bool
+        Whether it is known to be positive definite without counting.
     """
 
-    solve: Callable[[Floats], Floats]
+    solve: Callable[[Any], Any]
     count_negative: Callable[[], int]
+    definite: bool = False
 
     @property
     def negative(self) -> int:
@@ -67,7 +70,7 @@ class Cholmod:
             self._cholmod.numeric(self._matrix, self._symbolic)
         except ArithmeticError as error:
             raise Singular(f"CHOLMOD: the pivot of unknown {error} is not positive") from error
-        return Factor(self._solve, _none)
+        return Factor(self._solve, _none, True)
 
     def _solve(self, rhs: Floats) -> Floats:
         x = self._dense(np.asfortranarray(rhs))
@@ -104,6 +107,8 @@ class Pardiso:
                 raise
             raise Singular(f"PARDISO: zero pivot (error {error.value})") from error
         self._analysed = True
+        if self._solver.get_iparm(14) > 0:
+            raise Singular("PARDISO: pivots of the size of rounding")
         negative = int(self._solver.get_iparm(23))
         return Factor(self._solve, lambda: negative)
 
