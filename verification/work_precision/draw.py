@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,6 +26,9 @@ KSHELL = {
     "kshell Koiter p = 1": "#93c5fd",
     "kshell Koiter p = 2": "#2563eb",
     "kshell Koiter p = 3": "#1e3a8a",
+    "kshell Argyris, bare": "#f87171",
+    "kshell Koiter p = 2, bare": "#7dd3fc",
+    "kshell Koiter p = 3, bare": "#6366f1",
 }
 PEERS = {
     "NGSolve": ("#bbf7d0", "#4ade80", "#16a34a", "#14532d"),
@@ -71,7 +75,7 @@ def chart(comparison: Comparison, rows: Sequence[Row], facts: dict[str, str]) ->
     figure.legend(list(shown.values()), list(shown), loc="outside right upper", fontsize=8)
     figure.suptitle(comparison.title)
     missing = sorted({METHODS[row["method"]].program for row in own if row["version"] == "not installed"})
-    words = [TIMED, one_line(facts)]
+    words = [TIMED, *wrap(one_line(facts), 190)]
     words += [f"Not installed: {', '.join(missing)}"] if missing else []
     words += sorted(
         {f"{row['method']}: {row['version']}" for row in own if row["version"].startswith("no answer")}

@@ -24,7 +24,7 @@ from verification.work_precision.problems import QUANTITIES, Comparison
 REPOSITORY = Path(__file__).parents[2]
 DRIVERS = Path(verification.peers.__file__).parent
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-REPEATS, PATIENCE = 3, 0.7  # three times, once where it takes longer
+REPEATS, PATIENCE = 3, 0.3  # three times, once where it takes longer
 LONGEST = 6.0  # finer meshes of a method are left out behind that
 LIMIT = 60  # CPU seconds of a process
 # what must be there: a module of Python or a program

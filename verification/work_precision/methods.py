@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 DIRECT, MULTIGRID = "direct", "multigrid"
+BARE = "bare"  # shells without recovery, reactions and the check of equilibrium, for benchmarks
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,9 @@ METHODS = {
         _kshell("Koiter p = 1", "koiter 1"),
         _kshell("Koiter p = 2", "koiter 2"),
         _kshell("Koiter p = 3", "koiter 3"),
+        _kshell("Argyris, bare", "argyris", BARE),
+        _kshell("Koiter p = 2, bare", "koiter 2", BARE),
+        _kshell("Koiter p = 3, bare", "koiter 3", BARE),
         *(
             Method(f"NGSolve plate, order {p}", "NGSolve", "ngsolve_plate.py", str(p), "plane")
             for p in (2, 3, 4, 5)

@@ -17,9 +17,8 @@ from kshell.errors import KshellWarning
 from verification.peers.job import Read, run
 from verification.peers.surfaces import SURFACES
 from verification.work_precision.catalogue import COMPARISONS
+from verification.work_precision.methods import BARE
 from verification.work_precision.problems import mesh_of
-
-BARE = "bare"
 
 
 def solve(arrays: dict[str, Any], job: dict[str, Any]) -> Read:
