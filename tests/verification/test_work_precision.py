@@ -82,23 +82,27 @@ def test_the_bare_shell_is_the_shell(element):
 
 def test_a_driver_does_its_job_and_a_missing_program_is_named(tmp_path, monkeypatch):
     square = COMPARISONS["square"]
-    rows = list(measure.rows_of(square, METHODS["scikit-fem Argyris"], (4, 8), None, tmp_path))
-    assert [row["cells"] for row in rows] == [4, 8]
+    small = replace(square, plan={"scikit-fem Argyris": (4, 8), "scikit-fem Morley": (4,)})
+    rows = list(measure.rows_of(small, list(small.plan), None, tmp_path))
+    assert [row["cells"] for row in rows] == [4, 8, 4]
     assert rows[1]["w error"] < rows[0]["w error"] / 20
     assert rows[0]["seconds"] > 0
     monkeypatch.setitem(measure.NEEDS, "OpenSees", "a_module_that_is_not_there")
     measure.interpreter.cache_clear()
     try:
-        (row,) = measure.rows_of(square, METHODS["OpenSees DKGT"], (4,), None, tmp_path)
+        (row,) = measure.rows_of(square, ["OpenSees DKGT"], None, tmp_path)
     finally:
         measure.interpreter.cache_clear()
     assert (row["version"], row["unknowns"]) == ("not installed", 0)
 
 
-def test_a_driver_that_fails_leaves_its_words_in_the_table(tmp_path, monkeypatch):
+def test_a_driver_that_fails_leaves_its_words_and_those_behind_it_are_measured(tmp_path, monkeypatch):
     broken = replace(METHODS["scikit-fem Morley"], element="an element it does not have")
-    (row,) = measure.rows_of(COMPARISONS["square"], broken, (4,), None, tmp_path)
-    assert row["version"].startswith("no answer: KeyError")
+    monkeypatch.setitem(METHODS, broken.id, broken)
+    small = replace(COMPARISONS["square"], plan={broken.id: (4, 8), "scikit-fem Argyris": (4,)})
+    failed, good = measure.rows_of(small, list(small.plan), None, tmp_path)
+    assert failed["version"].startswith("no answer: KeyError")
+    assert good["unknowns"] == 150
 
 
 def test_drivers_do_not_import_kshell():

@@ -5,7 +5,7 @@
 Every program in a process of its own, on one thread; peers that are not installed are named and left out. Timed is
 processor time from the arrays of the mesh to the solution, without imports and a first small solve, best of up to
 three.
-"bare" is kshell without recovery of moments, reactions and the check of equilibrium: what the other programs do.
+"bare" is kshell without energies and the check of equilibrium: what the other programs do.
 Grids are the same for all, graded towards the forces. Prints CPU seconds to relative errors of 1e-3 and 1e-5, writes
 shells.csv and shells.md, and draws shells.png.
 """
@@ -102,8 +102,7 @@ def draw(rows: Rows, facts: dict[str, str]) -> Any:
     panels[0].set_ylabel("relative error of the deflection")
     figure.legend(list(lines.values()), list(lines), loc="outside right upper", fontsize=8)
     figure.supxlabel(
-        "bare: without recovery of moments, reactions and the check of equilibrium, as the other programs\n"
-        + one_line(facts),
+        "bare: without energies and the check of equilibrium, as the other programs\n" + one_line(facts),
         fontsize=6.5,
         color="0.3",
         wrap=True,

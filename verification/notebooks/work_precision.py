@@ -5,22 +5,25 @@
 # Every line below is one method on finer and finer meshes; left and below is better.
 #
 # **What is timed**: processor time on one thread from the arrays of a mesh to the solution, best of up to three, each
-# program in a process of its own, without imports and a first small solve. `ks.solve` checks the mesh, finds who holds
-# what, solves, checks equilibrium and is ready to recover moments and reactions in this time; the drivers of the others
-# (`verification/peers`) build the model, assemble and solve. All have the same grids, as triangles or quadrilaterals;
-# NGSolve alone meshes the disk itself.
+# program in a process of its own, without imports and a first small solve. `ks.solve` also checks mesh, supports and
+# equilibrium in this time; the drivers of the others (`verification/peers`) build the model, assemble and solve. Values
+# at points are read when the clock has stopped. All have the same grids, as triangles or quadrilaterals; NGSolve alone
+# meshes the disk itself.
 #
 # **What an error is**: relative, of the energy (load times displacement), of a deflection and of a moment, to values
 # that are exact or known to the uncertainty that is shaded.
 #
-# The table was written by `python -m verification.work_precision`. Programs that were not installed, and those that gave
-# no answer, are named under each chart. Made from `work_precision.py` by `python -m verification.notebooks.make
-# work_precision`.
+# The table was written by `python -m verification.work_precision`. Programs that were not installed, and those that
+# gave no answer, are named under each chart. Made from `work_precision.py` by
+# `python -m verification.notebooks.make work_precision`.
 
 # %%
+from dataclasses import replace
+
 from verification.work_precision import table
 from verification.work_precision.catalogue import COMPARISONS
 from verification.work_precision.draw import chart
+from verification.work_precision.measure import run_all
 from verification.work_precision.tables import first, not_first
 
 quick = False
@@ -107,21 +110,12 @@ print(not_first(list(COMPARISONS.values()), rows))
 # the machine that runs this.
 
 # %%
-import tempfile
-from pathlib import Path
-
-from verification.work_precision.measure import rows_of
-from verification.work_precision.methods import METHODS
-
-square = COMPARISONS["square"]
 counts = (4,) if quick else (4, 8, 16)
-with tempfile.TemporaryDirectory() as folder:
-    for method in ("kshell Argyris", "scikit-fem Argyris"):
-        for row in rows_of(square, METHODS[method], counts, None, Path(folder)):
-            known = next(
-                old for old in rows if all(old[key] == row[key] for key in ("problem", "method", "cells"))
-            )
-            print(
-                f"{method:20}{row['cells']:4} cells  error of the deflection {row['w error']:.2e}, in the table "
-                f"{known['w error']:.2e}"
-            )
+square = replace(COMPARISONS["square"], plan=dict.fromkeys(("kshell Argyris", "scikit-fem Argyris"), counts))
+known = {(row["problem"], row["method"], row["cells"]): row for row in rows}
+for row in run_all([square], None):
+    old = known[row["problem"], row["method"], row["cells"]]
+    print(
+        f"{row['method']:20}{row['cells']:4} cells  error of the deflection {row['w error']:.2e}, in the table "
+        f"{old['w error']:.2e}"
+    )

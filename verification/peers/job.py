@@ -1,17 +1,18 @@
-"""What every driver does: read a job, measure each of its meshes, print one line of JSON for each.
+"""What every driver does: read a job, measure each mesh of each of its parts, print one line of JSON for each.
 
     python verification/peers/DRIVER.py JOB.json
 
 A job is a JSON object with
 
-meshes      npz files, coarse to fine; which arrays they have stands in the driver
+parts       objects with the name of a method, its meshes, and what else differs between methods, such as the element;
+            meshes are npz files, coarse to fine, and which arrays they have stands in the driver
 repeats     how often each is solved at most; the quickest counts
 patience    seconds from which once is enough
 longest     seconds from which no finer mesh is tried
 
-and what the driver asks for. Seconds are processor time of the process and its children on one thread, from the
-arrays of a mesh to the solution: imports, files and a first small solve are left out, and values are read when the
-clock has stopped.
+and what the driver asks for, called the job there, of all parts or of one. Seconds are processor time of the process
+and its children on one thread, from the arrays of a mesh to the solution: imports, files and a first small solve are
+left out, and values are read behind the clock.
 """
 
 from __future__ import annotations
@@ -51,21 +52,34 @@ def run(
     prepare : function, optional
         From arrays and job to what `solve` takes, not timed.
     """
-    job = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-    for number, file in enumerate(job["meshes"]):
-        arrays = prepare(dict(np.load(file)), job)
-        if number == 0:
-            solve(arrays, job)()
-        best, read = np.inf, None
-        for _ in range(job["repeats"]):
-            begin = processor_seconds()
-            found = solve(arrays, job)
-            seconds = processor_seconds() - begin
-            if seconds < best:
-                best, read = seconds, found
-            if seconds > job["patience"]:
+    whole = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    for part in whole["parts"]:
+        job = {**whole, **part}
+        for number, file in enumerate(job["meshes"]):
+            arrays = prepare(dict(np.load(file)), job)
+            if number == 0:
+                solve(arrays, job)()
+            best, found = _best(solve, arrays, job)
+            print(
+                json.dumps({"method": job["method"], "seconds": best, "version": version, **found}),
+                flush=True,
+            )
+            if best > job["longest"]:
                 break
-        assert read is not None
-        print(json.dumps({"seconds": best, "version": version, **read()}), flush=True)
-        if best > job["longest"]:
+        print(json.dumps({"method": job["method"], "finished": True}), flush=True)
+
+
+def _best(
+    solve: Callable[[Arrays, dict[str, Any]], Read], arrays: Arrays, job: dict[str, Any]
+) -> tuple[float, dict[str, Any]]:
+    """Least seconds, and what was found."""
+    best, read = np.inf, dict
+    for _ in range(job["repeats"]):
+        begin = processor_seconds()
+        found = solve(arrays, job)
+        seconds = processor_seconds() - begin
+        if seconds < best:
+            best, read = seconds, found
+        if seconds > job["patience"]:
             break
+    return float(best), read()

@@ -43,8 +43,8 @@ MARKERS = "os^vDPX*"
 NAMES = {"compliance": "energy", "w": "deflection", "M": "moment"}
 TIMED = (
     "Seconds: processor time on one thread from the arrays of the mesh to the solution, best of up to three, without "
-    "imports and a first small solve; each program in a process of its own.\nkshell checks the mesh, recovers moments "
-    "and reactions and checks equilibrium in this time; the others build, assemble and solve."
+    "imports and a first small solve; each program in a process of its own.\nIn this time kshell also checks mesh, "
+    "supports and equilibrium; the others build, assemble and solve. Values at points are read behind the clock."
 )
 
 

@@ -1,4 +1,4 @@
-"""One process per method and problem: CPU seconds on one thread, unknowns, and the numbers that are compared."""
+"""One process per program and problem: CPU seconds on one thread, unknowns, and the numbers that are compared."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ REPOSITORY = Path(__file__).parents[2]
 DRIVERS = Path(verification.peers.__file__).parent
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 REPEATS, PATIENCE = 3, 0.3  # three times, once where it takes longer
-LONGEST = 6.0  # finer meshes of a method are left out behind that
-LIMIT = 60  # CPU seconds of a process
+LONGEST = 4.0  # finer meshes of a method are left out behind that
+LIMIT = 150  # CPU seconds of a process
 # what must be there: a module of Python or a program
 NEEDS = {
     "scikit-fem": "skfem",
@@ -58,58 +58,81 @@ def interpreter(program: str, peers_python: str | None) -> str | None:
 
 
 def rows_of(
-    comparison: Comparison, method: Method, counts: Sequence[int], peers_python: str | None, folder: Path
+    comparison: Comparison, names: Sequence[str], peers_python: str | None, folder: Path
 ) -> Iterator[dict[str, Any]]:
-    """Measurements of a method, coarse to fine; a last row says why there is no more, if it failed."""
-    problem: Any = comparison
-    python = interpreter(method.program, peers_python)
+    """Measurements of methods that share a driver, coarse to fine; a row says why there is no more, if one failed."""
+    methods = [METHODS[name] for name in names]
+    python = interpreter(methods[0].program, peers_python)
     if python is None:
-        yield _nothing(comparison, method, counts[0], "not installed")
+        yield from (_nothing(comparison, one, comparison.plan[one.id][0], "not installed") for one in methods)
         return
-    files = []
-    for count in counts:
-        files.append(folder / f"{comparison.id}-{method.feed.replace(' ', '-')}-{count}.npz")
-        if not files[-1].exists():
-            np.savez(files[-1], **problem.arrays(method.feed, count))
+    while methods:
+        lines, said = _run(python, comparison, methods, folder)
+        for number, method in enumerate(methods):
+            own = [line for line in lines if line["method"] == method.id]
+            counts = comparison.plan[method.id]
+            measured = [line for line in own if "seconds" in line]
+            for count, line in zip(counts, measured, strict=False):
+                yield _row(comparison, method, count, line)
+            if not any("finished" in line for line in own):
+                yield _nothing(comparison, method, counts[len(measured)], f"no answer: {said}")
+                methods = methods[number + 1 :]  # those behind it had no chance
+                break
+        else:
+            return
+
+
+def _run(
+    python: str, comparison: Comparison, methods: Sequence[Method], folder: Path
+) -> tuple[list[dict[str, Any]], str]:
+    """What a driver printed, and its last words."""
+    problem: Any = comparison
+    parts = []
+    for method in methods:
+        files = []
+        for count in comparison.plan[method.id]:
+            files.append(folder / f"{comparison.id}-{method.feed.replace(' ', '-')}-{count}.npz")
+            if not files[-1].exists():
+                np.savez(files[-1], **problem.arrays(method.feed, count))
+        own = {"method": method.id, "element": method.element, "solver": method.solver}
+        parts.append({**own, "meshes": [str(file) for file in files]})
+    program = methods[0]
     job = {
-        **problem.facts(method.program),
-        "meshes": [str(file) for file in files],
-        "element": method.element,
-        "solver": method.solver,
+        **problem.facts(program.program),
+        "parts": parts,
         "repeats": REPEATS,
         "patience": PATIENCE,
         "longest": LONGEST,
     }
     file = folder / "job.json"
     file.write_text(json.dumps(job), encoding="utf-8")
-    script = [str(DRIVERS / method.driver)] if method.driver else ["-m", "verification.work_precision.own"]
+    script = [str(DRIVERS / program.driver)] if program.driver else ["-m", "verification.work_precision.own"]
     done = subprocess.run(
         [python, *script, str(file)],
         env={**os.environ, **THREADS},
-        cwd=None if method.driver else REPOSITORY,
+        cwd=None if program.driver else REPOSITORY,
         capture_output=True,
         text=True,
         check=False,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT)),
     )
-    lines = [line for line in done.stdout.splitlines() if line.startswith('{"seconds"')]
-    for count, line in zip(counts, lines, strict=False):
-        yield _row(comparison, method, count, json.loads(line))
-    if done.returncode and len(lines) < len(counts):
-        words = [line for line in done.stderr.strip().splitlines() if not line.startswith("Process ")]
-        said = words[-1] if words else f"ended after {LIMIT} s of CPU"
-        yield _nothing(comparison, method, counts[len(lines)], f"no answer: {said}")
+    lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith('{"method"')]
+    words = [line for line in done.stderr.strip().splitlines() if not line.startswith("Process ")]
+    return lines, words[-1] if words else f"ended after {LIMIT} s of CPU"
 
 
-def run_all(
-    comparisons: Sequence[Comparison], peers_python: str | None, programs: Sequence[str] = ()
-) -> Iterator[dict[str, Any]]:
-    """All measurements of comparisons, of some programs or of all."""
+def run_all(comparisons: Sequence[Comparison], peers_python: str | None) -> Iterator[dict[str, Any]]:
+    """All measurements of comparisons; methods that share a driver share a process."""
     with tempfile.TemporaryDirectory() as folder:
         for comparison in comparisons:
-            for name, counts in comparison.plan.items():
-                if not programs or METHODS[name].program in programs:
-                    yield from rows_of(comparison, METHODS[name], counts, peers_python, Path(folder))
+            drivers = dict.fromkeys((METHODS[name].program, METHODS[name].driver) for name in comparison.plan)
+            for driver in drivers:
+                names = [
+                    name
+                    for name in comparison.plan
+                    if (METHODS[name].program, METHODS[name].driver) == driver
+                ]
+                yield from rows_of(comparison, names, peers_python, Path(folder))
 
 
 def _nothing(comparison: Comparison, method: Method, count: int, why: str) -> dict[str, Any]:

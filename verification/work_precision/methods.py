@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 DIRECT, MULTIGRID = "direct", "multigrid"
-BARE = "bare"  # shells without recovery, reactions and the check of equilibrium, for benchmarks
+BARE = "bare"  # shells without energies and the check of equilibrium, for benchmarks
 
 
 @dataclass(frozen=True)

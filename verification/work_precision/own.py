@@ -1,8 +1,8 @@
 """kshell's driver: `python -m verification.work_precision.own JOB.json`, see verification/peers/job.py.
 
-Timed is all from the arrays to the displacement: mesh with its checks, scene, supports, assembly, solution, and what
-`kshell.solve` adds, recovery of moments and reactions and the check of equilibrium. With the solver "bare" a shell
-is solved without these three.
+Timed is all from the arrays to the displacements of the vertices: mesh with its checks, scene, supports, assembly,
+solution, energies, and the check of equilibrium. With the solver "bare" a shell is solved without the last two. Moments
+and other fields are recovered when they are looked at, behind the clock.
 """
 
 from __future__ import annotations

@@ -117,7 +117,7 @@ def reason(standing: Standing, rows: Sequence[Row]) -> str:
         return f"{METHODS[peer['method']].id} has the higher order, or eliminates inside the elements"
     least = min(row["seconds"] for row in rows if _is_ours(row))
     if least >= peer["seconds"]:
-        return f"fixed cost: kshell's smallest mesh takes {least:.3g} s for checks, supports, recovery, equilibrium"
+        return f"fixed cost: kshell's smallest mesh takes {least:.3g} s: checks, supports, equilibrium"
     if ours["unknowns"] <= peer["unknowns"]:
         each = (ours["seconds"] / ours["unknowns"]) / (peer["seconds"] / peer["unknowns"])
         return f"fewer unknowns than the peer, but {each:.1f} times the time for each"
