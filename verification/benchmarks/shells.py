@@ -32,12 +32,12 @@ from verification.work_precision.tables import reaching
 HERE = Path(__file__).parent
 TARGETS = (1e-3, 1e-5)
 PLAN = {
-    "kshell Argyris": (2, 4, 6, 8, 12),
-    "kshell Argyris, bare": (2, 4, 6, 8, 12),
+    "kshell Argyris": (2, 4, 6, 8, 12, 16, 24),
+    "kshell Argyris, bare": (2, 4, 6, 8, 12, 16, 24),
     "kshell Koiter p = 3": (2, 4, 8, 12, 16),
     "kshell Koiter p = 3, bare": (2, 4, 8, 12, 16, 24),
     "NGSolve shell, order 3": (2, 4, 8, 12, 16),
-    "NGSolve shell, order 4": (2, 4, 8, 12, 16),
+    "NGSolve shell, order 4": (2, 4, 8, 12, 16, 24),
     "Kratos thin triangle": (8, 16, 32, 64),
     "OpenSees DKGQ": (8, 16, 32, 64),
     "CalculiX S8R": (8, 16),
