@@ -22,9 +22,11 @@ MOST_ITERATIONS = 25
 FINISHED = 1e-13
 # growth of that work over its first value, after which an iteration is given up
 DIVERGED = 1e5
+# iterations without a new smallest work, after which it is given up: near a limit point it wanders for ever
+PATIENCE = 6
 
 
-def correct(problem: Problem, state: State, factor: float) -> State:
+def correct(problem: Problem, state: State, factor: float, most_iterations: int = MOST_ITERATIONS) -> State:
     """Equilibrium at a load factor, from a state nearby.
 
     Raises
@@ -37,7 +39,8 @@ def correct(problem: Problem, state: State, factor: float) -> State:
     shift = (factor - state.factor) * given
     moved = bool(np.any(shift))
     first = 0.0
-    for iteration in range(1, MOST_ITERATIONS + 1):
+    best, best_at = np.inf, 0
+    for iteration in range(1, most_iterations + 1):
         energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
         if not np.isfinite(energy.value):
             break
@@ -58,6 +61,10 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         if not np.isfinite(work) or (first > 0.0 and work > DIVERGED * first):
             break
         first = max(first, work)
+        if work < best * scale:
+            best, best_at = work / scale, iteration
+        elif iteration - best_at > PATIENCE:
+            break
         if scale == 0.0:
             return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
     raise SolveError(
