@@ -48,20 +48,6 @@ Overrides = Annotated[
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
 
-# on a mesh file the plate or shell is described by options; on a scene file --set changes it
-DESCRIBING = (
-    "thickness",
-    "E",
-    "nu",
-    "density",
-    "clamped",
-    "supported",
-    "symmetry",
-    "pressure",
-    "mesh_size",
-    "mesh_order",
-)
-
 
 def _print_version(wanted: bool) -> None:
     if wanted:
@@ -121,6 +107,10 @@ def solve(
     ] = None,
     mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
     mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,
+    geometry: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Of a flat-sided mesh: .geo, .step, .brep to curve it onto."),
+    ] = None,
     model: Annotated[str | None, typer.Option(metavar="auto|plate|shell", help="Which model.")] = None,
     element: Annotated[
         str | None, typer.Option(metavar="auto|morley|argyris|koiter", help="Which element.")
@@ -149,6 +139,7 @@ def solve(
         "pressure": pressure,
         "mesh_size": mesh_size,
         "mesh_order": mesh_order,
+        "geometry": geometry,
     }
     begin = time.perf_counter()
     scene = scene_of(source, plate, set_ or [])

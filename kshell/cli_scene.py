@@ -64,6 +64,7 @@ def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:
         loads=loads,
         mesh_size=given.get("mesh_size"),
         mesh_order=given.get("mesh_order"),
+        geometry=given.get("geometry"),
         title=mesh.name,
     )
 

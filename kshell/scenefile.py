@@ -25,6 +25,7 @@ SIMPLE_KEYS = ("title", "mesh_size", "mesh_order", "thickness", "offset", "direc
 KEYS = [
     "title",
     "mesh",
+    "geometry",
     *SIMPLE_KEYS[1:],
     "layer",
     "material",
@@ -33,8 +34,8 @@ KEYS = [
     "support",
     "load",
     "probe",
+    "solve",
 ]
-KEYS.append("solve")
 NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge)}
 
 
@@ -122,8 +123,10 @@ def scene_from_dict(data: Mapping[str, Any], folder: Path, source: str) -> Scene
     arguments = {key: data[key] for key in SIMPLE_KEYS if key in data}
     if "mesh" not in data:
         raise InputError(f'{source}: mesh is missing: give the path of the mesh, e.g. mesh = "plate.msh"')
-    mesh = data["mesh"]
-    arguments["mesh"] = folder / mesh if isinstance(mesh, str | Path) and mesh else mesh
+    for key in ("mesh", "geometry"):
+        if key in data:
+            path = data[key]
+            arguments[key] = folder / path if isinstance(path, str | Path) and path else path
     if "material" in data:
         with _inside(f"{source}, [material]", "material: "):
             arguments["material"] = material_from_dict(_table(data["material"]))

@@ -89,5 +89,8 @@ def _projector(reduction: Reduction) -> sp.csr_matrix:
         out.data[np.abs(out.data) < ORTHONORMAL] = 0.0
         out.eliminate_zeros()
         return out.tocsr()
-    single = (np.diff(basis.indptr) == 1) & (np.asarray(abs(basis).sum(axis=1)).ravel() == 1.0)
-    return sp.diags((~single).astype(float)).tocsr()
+    # free unknowns are themselves, and nothing else follows them
+    alone = np.diff(basis.tocsc().indptr) == 1
+    free = np.diff(basis.indptr) == 1
+    free[free] = (basis[free].data == 1.0) & alone[basis[free].indices]
+    return sp.diags((~free).astype(float)).tocsr()
