@@ -18,6 +18,7 @@ from kshell.shell.linear import LinearSolution
 from kshell.shell.path import Critical
 from kshell.shell.problem import ShellProblem
 from kshell.shell.scene_reactions import find_reactions
+from kshell.shell.work import external_work
 
 Floats = NDArray[np.float64]
 
@@ -32,29 +33,29 @@ def answer_linear(problem: ShellProblem, solution: LinearSolution) -> Result:
     return _answer(problem, solution, small_fields(problem, solution.x), problem.loads.forces)
 
 
-def answer_state(problem: ShellProblem, state: State) -> Result:
-    """The result of one state of large deflections."""
+def answer_state(problem: ShellProblem, state: State, work: float) -> Result:
+    """The result of one state of large deflections, to which the loads did some work."""
     _, residual, _ = problem.equilibrium().evaluate(state.x, state.factor, 1, state.memory)
     solution = LinearSolution(state.x, -residual, np.zeros(0), ())
     result = _answer(problem, solution, _state_fields(problem, state), problem.forces_at(state), state.x)
-    # loads that grow slowly from rest do the work that is stored; at edges their rotations are not kept
-    result.external_work = result.strain_energy
+    result.external_work = work
     return result
 
 
 def answer_trace(problem: ShellProblem, trace: Trace) -> Result:
     """The result of the last state, with the path to it."""
-    result = answer_state(problem, trace.states[-1])
+    works = external_work(problem.equilibrium(), trace.states)
+    result = answer_state(problem, trace.states[-1], works[-1])
     for number, state in enumerate(trace.states):
         last = number == len(trace.states) - 1
         values = result.probes if last else probes_of(problem, _state_fields(problem, state))[0]
         entry = {
-            "factor": state.factor,
+            "factor": float(state.factor),
             "probes": {name: {**p, "frame": FRAME} for name, p in values.items()},
         }
         entry |= {"iterations": state.iterations, "stable": state.negative == 0}
         result.path.append(entry)
-        result.series.append((state.factor, partial(answer_state, problem, state)))
+        result.series.append((state.factor, partial(answer_state, problem, state, works[number])))
     for number, (step, critical) in enumerate(trace.critical, 1):
         factor = float(critical.state.factor)
         result.critical.append({"kind": critical.kind, "factor": factor, "before_step": step})

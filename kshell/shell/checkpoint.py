@@ -115,6 +115,7 @@ def _state(prefix: str, state: State) -> dict[str, Any]:
     out: dict[str, Any] = {
         f"{prefix}x": state.x,
         f"{prefix}state": np.array([state.factor, state.iterations, state.negative]),
+        f"{prefix}turned": state.turned,
     }
     if isinstance(state.memory, Directors):
         for name in ("vectors", "base", "angle"):
@@ -127,7 +128,8 @@ def _read_state(prefix: str, content: dict[str, Any], directors: bool) -> State:
     memory = None
     if directors:
         memory = Directors(*(content[f"{prefix}{name}"] for name in ("vectors", "base", "angle")))
-    return State(float(factor), content[f"{prefix}x"], memory, int(iterations), int(negative))
+    x, turned = content[f"{prefix}x"], content[f"{prefix}turned"]
+    return State(float(factor), x, memory, int(iterations), int(negative), turned)
 
 
 def _march(content: dict[str, Any], directors: bool) -> tuple[March, Critical | None]:

@@ -44,6 +44,8 @@ JUMP = 10.0
 MOST_ARC_STEPS = 40
 FIRST_ARC = 0.2
 MOST_BRANCH_STEPS = 120
+# how far the last of these steps may go beyond the last load factor, and how often it is made again, shorter
+OVERSHOOT, MOST_RETREATS = 0.05, 3
 
 
 @dataclass(frozen=True)
@@ -231,6 +233,13 @@ class LoadSteps:
             return self._jump(march, SolveError("the path behind the maximum does not lead to a larger load"))
         try:
             state, arc, critical = self._follower.go_on(before, crossing.arc)
+            for _ in range(MOST_RETREATS):
+                too_far = (state.factor - self.until) / self.span
+                if too_far <= OVERSHOOT:
+                    break
+                share = (self.until - before.factor) / (state.factor - before.factor)
+                shorter = replace(crossing.arc, length=arc.made * max(share, 0.1))
+                state, arc, critical = self._follower.go_on(before, shorter)
         except SolveError as error:
             return self._jump(march, error)
         moved = _distance(self.problem, state.x - before.x)

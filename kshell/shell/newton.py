@@ -58,7 +58,7 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
         x = x + change
         scale = abs(energy.value) + abs(factor * float(growth @ x))
         if iteration > 1 and work <= FINISHED * scale:
-            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
         if not np.isfinite(work) or (first > 0.0 and work > DIVERGED * first):
             break
         first = max(first, work)
@@ -66,8 +66,8 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
             best, best_at = work / scale, iteration
         elif iteration - best_at > PATIENCE:
             break
-        if scale == 0.0:
-            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+        if scale == 0.0 and not np.any(change):  # nothing loads or moves the shell
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
     raise SolveError(
         f"no equilibrium found at the load factor {factor:.6g} from {state.factor:.6g} in {iteration} iterations",
         state=state,

@@ -79,11 +79,14 @@ class Arc:
         Of the first step, which bounds the later ones.
     moved : (free unknown,), optional
         Motion of the last step, which tells forward from back.
+    made : float
+        Length of the last step.
     """
 
     length: float
     first: float
     moved: Floats | None = None
+    made: float = 0.0
 
 
 class PathFollower:
@@ -146,9 +149,10 @@ class PathFollower:
         critical = None
         if step.state.negative != state.negative and along is None:
             critical = self.critical(state, length, arc.moved)
+        made = length
         grow = float(np.clip(GOOD / step.state.iterations, 0.5, 2.0))
         length = float(np.clip(length * grow, SHORTEST * arc.first, LONGEST * arc.first))
-        return step.state, Arc(length, arc.first, step.moved), critical
+        return step.state, Arc(length, arc.first, step.moved, made), critical
 
     def displacement(self, state: State, row: Floats, change: float) -> Step:
         """A step in which a displacement, the product of (unknowns,) `row` and x, changes by a given amount."""
@@ -201,7 +205,7 @@ class PathFollower:
             if self.size(moved) > 10 * self.size(first):
                 break
             if iteration > 1 and work <= FINISHED * scale:
-                found = State(factor, x, state.memory, iteration, tangent.negative)
+                found = State(factor, x, state.memory, iteration, tangent.negative, state.turned)
                 return Step(problem.settle(found), moved)
         raise SolveError(
             f"no equilibrium found on the path near the load factor {state.factor:.6g}", state=state
