@@ -109,6 +109,17 @@ class Problem:
         """The tangent in the free unknowns, factorised; serves until the next one. See `Factoriser.factorise`."""
         return self._factoriser.factorise(tangent, definite)
 
+    def pulled(self, spring: Floats, to: Floats) -> Problem:
+        """The same with springs that pull the unknowns to a place, (unknowns,) each."""
+        springs, constant = sp.diags(spring, format="csr"), spring * to
+        if self.springs is not None:
+            springs = (self.springs + springs).tocsr()
+        if self.constant is not None:
+            constant = self.constant + constant
+        out = replace(self, springs=springs, constant=constant)
+        out.__dict__["_factoriser"] = self._factoriser
+        return out
+
     def start(self) -> State:
         """The rest state."""
         return State(0.0, np.zeros(self.energy.unknowns), self.energy.rest)

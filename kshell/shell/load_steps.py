@@ -33,7 +33,7 @@ SMALLEST_STEP = 1e-4
 # a step so small against the load so far ends the search for the limit point by halving
 CLOSE = 2e-3
 MOST_ATTEMPTS = 100
-MOST_JUMPS = 6
+MOST_JUMPS = 4
 # how far beyond the limit point the load is at which the jump ends, relative to the load there
 BEYOND = 0.05
 # a step that ends on an unstable branch is repeated with smaller steps down to this part of the first one
@@ -214,7 +214,8 @@ class LoadSteps:
         critical = self._follower.softest_motion(state)
         kind = critical.kind if crossing is None else "jump"
         critical = replace(critical, kind=kind, then="jumped")
-        onward = March(found, first, attempts=march.attempts, jumps=march.jumps + 1, branched=march.branched)
+        size = float(np.sign(left)) * further
+        onward = March(found, size, attempts=march.attempts, jumps=march.jumps + 1, branched=march.branched)
         return onward, critical
 
     def _into_crossing(self, march: March, error: SolveError) -> March:

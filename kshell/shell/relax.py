@@ -11,13 +11,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import scipy.sparse as sp
 
 from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
 from kshell.shell.newton import correct
 
-MOST_STEPS = 150
+MOST_STEPS = 80
 MOST_ITERATIONS = 12
 # springs against those of the first step: when to try without, and when to give up
 SOFT, STIFFEST = 1e-2, 1e8
@@ -44,7 +43,7 @@ def relax(problem: Problem, state: State, factor: float) -> State:
     iterations = 0
     for _ in range(MOST_STEPS):
         try:
-            held = _held(problem, weights, spring, state)
+            held = problem.pulled(spring * weights, state.x)
             moved = correct(held, state, factor, MOST_ITERATIONS)
         except SolveError:
             spring *= 3.0
@@ -77,15 +76,3 @@ def _first_spring(problem: Problem, state: State, factor: float) -> float:
     if moved > 0.0 and work > 0.0:
         return work / moved
     return float(np.linalg.norm(problem.reduction.basis.T @ (factor * growth)))
-
-
-def _held(problem: Problem, weights: np.ndarray, spring: float, state: State) -> Problem:
-    """The problem with springs to where the state is."""
-    viscous = sp.diags(spring * weights, format="csr")
-    pull = spring * weights * state.x
-    springs = viscous if problem.springs is None else problem.springs + viscous
-    return replace(
-        problem,
-        springs=springs,
-        constant=pull if problem.constant is None else problem.constant + pull,
-    )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from verification.benchmarks import large_scenes
+from verification.cases import large_scenes
 
 
 def test_energy_is_the_work_of_loads_reactions_and_motions():
