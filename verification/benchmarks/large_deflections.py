@@ -192,7 +192,7 @@ def profile(n: int = 75) -> None:
     step = timed("solve", lambda: factor.solve(problem.reduction.basis.T @ residual))
     timed(
         "stress extrapolated",
-        lambda: problem.energy.extrapolated_stress(x, problem.reduction.basis @ step, memory),
+        lambda: problem.energy.extrapolated_stress(energy.linear, problem.reduction.basis @ step),
     )
     print(
         f"one iteration, {reduced.shape[0]} unknowns:",
