@@ -95,14 +95,15 @@ def draw(rows: Rows, facts: dict[str, str]) -> Any:
                 errors = [max(row["w error"], 1e-10) for row in own]
                 (lines[method],) = panel.loglog([row["seconds"] for row in own], errors, **style(method))
         panel.set_title(problem.title.split(" (")[0])
-        panel.set_xlabel("CPU seconds, one thread, from mesh arrays to solution")
+        panel.set_xlabel("CPU seconds on one thread")
         panel.grid(alpha=0.3)
         for target in TARGETS:
             panel.axhline(target, color="0.6", linewidth=0.8)
     panels[0].set_ylabel("relative error of the deflection")
     figure.legend(list(lines.values()), list(lines), loc="outside right upper", fontsize=8)
     figure.supxlabel(
-        "bare: without energies and the check of equilibrium, as the other programs\n" + one_line(facts),
+        "Seconds: from the arrays of the mesh to the solution, best of up to three; bare: without energies and the check of "
+        "equilibrium, as the other programs\n" + one_line(facts),
         fontsize=6.5,
         color="0.3",
         wrap=True,
