@@ -40,14 +40,9 @@ def answer_state(problem: ShellProblem, state: State, work: float) -> Result:
     _, residual, _ = problem.equilibrium().evaluate(state.x, state.factor, 1, state.memory)
     solution = LinearSolution(state.x, -residual, np.zeros(0), ())
     result = _answer(problem, solution, _state_fields(problem, state), problem.forces_at(state), state.x)
-<<<<<<< HEAD
     # fields refer to the strains of this state, of which the energy keeps one at a time
     result.fields, result.cell_fields = dict(result.fields), dict(result.cell_fields)
-    # loads that grow slowly from rest do the work that is stored; at edges their rotations are not kept
-    result.external_work = result.strain_energy
-=======
     result.external_work = work
->>>>>>> main
     return result
 
 

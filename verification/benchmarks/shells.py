@@ -102,8 +102,8 @@ def draw(rows: Rows, facts: dict[str, str]) -> Any:
     panels[0].set_ylabel("relative error of the deflection")
     figure.legend(list(lines.values()), list(lines), loc="outside right upper", fontsize=8)
     figure.supxlabel(
-        "Seconds: from the arrays of the mesh to the solution, best of up to three; bare: without energies and the check of "
-        "equilibrium, as the other programs\n" + one_line(facts),
+        "Seconds: from the arrays of the mesh to the solution, best of up to three; bare: without energies and the "
+        "check of equilibrium, as the other programs\n" + one_line(facts),
         fontsize=6.5,
         color="0.3",
         wrap=True,
