@@ -41,9 +41,13 @@ class Form(Protocol):
     def matrices(self, positions: Ints, transform: Floats) -> Floats:
         """(n, local, local) matrices in the unknowns that ``transform`` leads to."""
 
+    def products(self, positions: Ints, transform: Floats, motion: Floats) -> Floats:
+        """(n, local) these matrices times a motion, given as (n, reference dof, 1) on the reference triangle."""
+        return self.matrices(positions, np.concatenate([transform, motion], axis=2))[:, :-1, -1]
+
 
 @dataclass
-class Bending:
+class Bending(Form):
     """Bending energy, integral of kappa^T D kappa."""
 
     everywhere = True
@@ -70,6 +74,14 @@ class Bending:
             kappa, self.stiffness(patch.triangles, patch.xy, patch.weights), kappa
         )
 
+    def products(self, positions: Ints, transform: Floats, motion: Floats) -> Floats:
+        if self._constant is None or self.domain.is_curved[positions[0]]:
+            return super().products(positions, transform, motion)
+        force = matrices.stiffness_product(
+            self.element, self.domain.affine(positions), self._constant[positions], motion[..., 0]
+        )
+        return (force[:, None] @ transform)[:, 0]
+
     def _degree(self) -> int:
         bending_degree = 2 * (self.element.maxdeg - 2)
         return bending_degree if self._constant is not None else bending_degree + VARIABLE_DEGREE - 6
@@ -87,7 +99,7 @@ class Bending:
 
 
 @dataclass
-class AreaSpring:
+class AreaSpring(Form):
     """Winkler foundation: integral of k w^2 over some triangles."""
 
     everywhere = False
@@ -109,7 +121,7 @@ class AreaSpring:
 
 
 @dataclass
-class EdgeSpring:
+class EdgeSpring(Form):
     """Elastic edge: integral of k w^2, or of k w_n^2 for a rotational spring, along edges."""
 
     everywhere = False
@@ -138,7 +150,7 @@ class EdgeSpring:
 
 
 @dataclass
-class PointSpring:
+class PointSpring(Form):
     """Springs k (row . d)^2 at vertices, each with one row on the physical degrees of freedom of a triangle."""
 
     everywhere = False

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements import PlateElement, matrices
-from kshell.plate.domain import Domain, EdgePatch
+from kshell.plate.domain import Domain, EdgePatch, Patch
 from kshell.plate.forms import Bending, edge_rows
 
 Floats = NDArray[np.float64]
@@ -88,16 +88,19 @@ class AreaLoad:
         reference = weight @ basis if basis.ndim == 2 else (weight[:, None] @ basis)[:, 0]
         return (reference[:, None] @ transform)[:, 0]
 
+    def _patches(self) -> Iterator[Patch]:
+        """For resultants: a constant pressure has moments of degree 1."""
+        return self.domain.patches(self._degree() if callable(self.pressure) else 1, self.triangles)
+
     def resultant(self, origin: Floats) -> Floats:
         total = np.zeros(3)
-        for patch in self.domain.patches(self._degree(), self.triangles):
+        for patch in self._patches():
             force = patch.weights * self._values(patch.triangles, patch.xy)
             total += resultant_of(force, patch.xy, origin)
         return total
 
     def gross(self, size: float) -> float:
-        patches = self.domain.patches(self._degree(), self.triangles)
-        return float(sum(np.abs(p.weights * self._values(p.triangles, p.xy)).sum() for p in patches))
+        return float(sum(np.abs(p.weights * self._values(p.triangles, p.xy)).sum() for p in self._patches()))
 
 
 @dataclass

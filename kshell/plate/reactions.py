@@ -197,38 +197,53 @@ class ReactionFinder:
         for group in self.supports.held:
             for e in group.line.tolist():
                 edge_groups.setdefault(e, []).append(group.label)
+        if not edge_groups:
+            return []
         supported = np.array([e for e in edge_groups if mesh.edge_counts[e] == 1], dtype=np.int64)
         held = np.isin(mesh.edges[boundary.edges], mesh.edges[supported])  # (boundary edge, end)
         around: dict[int, list[tuple[int, int]]] = {}
         for k, end in np.argwhere(held).tolist():
-            e = int(boundary.edges[k])
-            around.setdefault(int(mesh.edges[e, end]), []).append((e, end))
-        out = []
+            around.setdefault(int(mesh.edges[boundary.edges[k], end]), []).append((k, end))
+        tangents = boundary.tangent
+        corners = []
         for v, pair in around.items():
-            if len(pair) != 2:
-                continue
-            tangent = [boundary.tangent[boundary.place(np.array([e]))[0], end] for e, end in pair]
-            if abs(tangent[0][0] * tangent[1][1] - tangent[0][1] * tangent[1][0]) < 1e-6:
-                continue  # no corner
-            twist = []
-            for (e, _), t in zip(pair, tangent, strict=True):
-                value, along = self._twist(fields, e, v, t)
-                twist.append(value if along == "out" else -value)
-            labels = sorted({name for e, _ in pair for name in edge_groups.get(e, [])})
-            out.append({"at": mesh.points[v], "force": np.array([0.0, 0.0, sum(twist)]), "groups": labels})
-        return out
+            if len(pair) == 2:
+                (ax, ay), (bx, by) = (tangents[k, end] for k, end in pair)
+                if abs(ax * by - ay * bx) > 1e-6:
+                    corners.append((v, pair))
+        if not corners:
+            return []
+        place, side = np.array([pair for _, pair in corners]).reshape(-1, 2).T
+        twist = (
+            self._twist(fields, boundary.edges[place], side, tangents[place, side]).reshape(-1, 2).sum(axis=1)
+        )
+        return [
+            {
+                "at": mesh.points[v],
+                "force": np.array([0.0, 0.0, force]),
+                "groups": sorted(
+                    {name for k, _ in pair for name in edge_groups.get(int(boundary.edges[k]), [])}
+                ),
+            }
+            for (v, pair), force in zip(corners, twist, strict=True)
+        ]
 
-    def _twist(self, fields: Fields, edge: int, vertex: int, tangent: Floats) -> tuple[float, str]:
-        """M_nt at one end of a boundary edge walked with the plate on the left; does it leave the vertex?"""
+    def _twist(self, fields: Fields, edges: Ints, end: Ints, tangent: Floats) -> Floats:
+        """M_nt (n,) at one end of boundary edges walked with the plate on the left, minus where the walk ends there.
+
+        ``tangent`` (n, 2) points from the lower to the higher vertex.
+        """
         mesh = self.domain.mesh
-        triangle, local = mesh.edge_owner[edge]
-        corners = mesh.triangles[triangle]
-        a = (0, 1, 2)[local]  # where the edge starts, walked counter-clockwise
-        leaves = corners[a] == vertex
-        t = tangent if mesh.edges[edge, 0] == corners[a] else -tangent
-        n = np.array([t[1], -t[0]])
-        affine = self.domain.affine(np.array([triangle]))
-        xy = self.domain.points[vertex][None, None]
-        xx, yy, xy_part = fields.moment(np.array([triangle]), affine.reference_coordinates(xy), xy)[0, 0]
-        value = n[0] * t[0] * xx + n[1] * t[1] * yy + (n[0] * t[1] + n[1] * t[0]) * xy_part
-        return float(value), "out" if leaves else "in"
+        triangle, local = mesh.edge_owner[edges].astype(np.int64).T
+        # local edge k starts at local vertex k, walked counter-clockwise
+        forward = np.where(mesh.edges[edges, 0] == mesh.triangles[triangle, local], 1.0, -1.0)
+        leaves = np.where(end == 0, forward, -forward)
+        t = tangent * forward[:, None]
+        n = np.stack([t[:, 1], -t[:, 0]], axis=1)
+        xy = self.domain.points[mesh.edges[edges, end]][:, None]
+        xi = self.domain.affine(triangle).reference_coordinates(xy)
+        xx, yy, both = fields.moment(triangle, xi, xy)[:, 0].T
+        value = (
+            n[:, 0] * t[:, 0] * xx + n[:, 1] * t[:, 1] * yy + (n[:, 0] * t[:, 1] + n[:, 1] * t[:, 0]) * both
+        )
+        return leaves * value

@@ -39,6 +39,8 @@ class Problem:
         Stiffness of elastic supports.
     constant : (unknowns,), optional
         Dead load that does not grow.
+    initial : (triangle, r), optional
+        Strains without stress at the factor 1.
     """
 
     energy: StrainEnergy
@@ -47,26 +49,40 @@ class Problem:
     follower: Follower | None = None
     springs: sp.spmatrix | None = None
     constant: Floats | None = None
+    initial: Floats | None = None
 
     def evaluate(
         self, x: Floats, factor: float, derivatives: int, memory: Any, stress: Floats | None = None
     ) -> tuple[Energy, Floats, Floats]:
         """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor)."""
+        growth, of_initial = self.load, None
+        if self.initial is not None:
+            of_initial = self._growth_of_initial(self.initial, x, memory)
+            self.energy.initial = factor * self.initial
         energy = self.energy.energy(x, derivatives, memory, stress)
-        growth = self.load
         tangent = energy.hessian
         if self.follower is not None:
             force, stiffness = self.follower(x)
             growth = growth + force
             if tangent is not None:
                 tangent = tangent - factor * stiffness
-        residual = factor * growth - energy.gradient
+        residual = factor * growth - energy.gradient  # which holds the forces of initial strains already
+        if of_initial is not None:
+            growth = growth + of_initial
         if self.constant is not None:
             residual = residual + self.constant
         if self.springs is not None:
             residual = residual - self.springs @ x
             tangent = None if tangent is None else tangent + self.springs
         return Energy(energy.value, energy.gradient, tangent), residual, growth
+
+    def _growth_of_initial(self, initial: Floats, x: Floats, memory: Any) -> Floats:
+        """Forces are linear in the initial strains: those without less those with them."""
+        forces = []
+        for share in (0.0, 1.0):
+            self.energy.initial = share * initial
+            forces.append(self.energy.energy(x, 1, memory).gradient)
+        return forces[0] - forces[1]
 
     def factorise(self, tangent: sp.spmatrix) -> Factor:
         """The tangent in the free unknowns, factorised."""
