@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
-from kshell.shell.factor import Factor
+from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
@@ -169,9 +169,11 @@ class PathFollower:
         x, factor, stress = state.x, state.factor, None
         first: Floats | None = None
         moved = np.zeros(basis.shape[1])
+        definite = state.negative == 0
         for iteration in range(1, MOST_ITERATIONS + 1):
             energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
-            tangent = problem.factorise(energy.hessian)
+            tangent = problem.factorise(energy.hessian, definite)
+            definite = tangent.definite
             reduced = basis.T @ residual
             if np.any(given):
                 growth = growth - energy.hessian @ given
@@ -184,7 +186,7 @@ class PathFollower:
                 more = correct(first, a, b)
                 change = b + more * a
             full = basis @ change + more * given
-            stress = problem.energy.extrapolated_stress(x, full, state.memory)
+            stress = problem.energy.extrapolated_stress(energy.linear, full)
             x, factor, moved = x + full, factor + more, moved + change
             scale = abs(energy.value) + abs(factor * float(growth @ x))
             if not np.all(np.isfinite(change)) or not np.isfinite(energy.value):
@@ -211,7 +213,7 @@ class PathFollower:
                 low, direction = step.state, step.moved
         energy, _, growth = self.problem.evaluate(low.x, low.factor, 2, low.memory, None)
         basis = self.problem.reduction.basis
-        tangent = self.problem.factorise(energy.hessian)
+        tangent = self.problem.factorise(energy.hessian, low.negative == 0)
         mode = softest(tangent, basis.shape[1])
         load = basis.T @ growth
         # at a limit point the load works on the mode, at a bifurcation it does not
