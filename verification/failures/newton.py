@@ -11,7 +11,6 @@ import numpy as np
 from kshell.errors import SolveError
 from kshell.shell import loads
 from kshell.shell.equilibrium import Problem, State
-from kshell.shell.factor import Factor
 from kshell.shell.newton import DIVERGED, FINISHED, correct
 from kshell.shell.section import Section
 from verification.failures.bent import rectangle
@@ -20,7 +19,9 @@ from verification.failures.shells import ShellModel
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from scipy.sparse import spmatrix
+    from scipy.sparse import csr_matrix
+
+    from kshell.solve.repeated import Factor
 
 Corrector = Callable[[Problem, State, float], State]
 
@@ -33,14 +34,13 @@ SMALLEST = 1.0 / 256.0  # step, as a part of the load
 
 @dataclass(frozen=True)
 class Counted(Problem):
-    """A problem that counts its factorisations."""
+    """A problem that notes its factorisations, by the number of entries."""
 
     factors: list[int] = field(default_factory=list)
 
-    def factorise(self, tangent: spmatrix) -> Factor:
-        found = super().factorise(tangent)
-        self.factors.append(found.negative)
-        return found
+    def factorise(self, tangent: csr_matrix, definite: bool = True) -> Factor:
+        self.factors.append(tangent.nnz)
+        return super().factorise(tangent, definite)
 
 
 def plain(problem: Problem, state: State, factor: float) -> State:
