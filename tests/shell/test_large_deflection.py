@@ -35,6 +35,17 @@ def test_cantilever_under_end_shear_in_one_step(order, n, tolerance):
     assert path[-1].negative == 0
 
 
+@pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_a_thin_cantilever_needs_no_more_iterations_than_a_thick_one(ratio):
+    """The second iterate may have (L / t)^2 times the work of the first; that is no divergence."""
+    section = Section.isotropic(1200 / (10 * ratio) ** 3, 0.0, 10 * ratio)  # EI = 100
+    model, problem = cantilever(2, 8, lambda s, e: loads.line_force(s, [0, 0, 4.0], e), section=section)
+    path = load_path(problem, steps=1).states
+    assert path[-1].x[3 * model.vertex(10.0, 0.0) + 2] == pytest.approx(6.69964, rel=1e-3)
+    assert len(path) == 2
+    assert path[-1].iterations <= 9
+
+
 @pytest.mark.parametrize(
     ("alpha", "w", "u"), [(1, 0.30172077379981, 0.056433236283377), (2, 0.49345748039671, 0.16064172082517)]
 )
@@ -110,7 +121,7 @@ def roof():
 def test_load_control_stops_at_the_limit_point(roof):
     problem, centre = roof
     with pytest.raises(SolveError, match="turns back") as caught:
-        load_path(problem, steps=4, until=0.8, cross_limits=False)
+        load_path(problem, steps=4, until=0.8, limits="stop")
     last = caught.value.state.states[-1]
     assert 0.6 < last.factor < 0.7421
     assert last.x[centre] < 0
@@ -139,6 +150,7 @@ def test_displacement_control_gives_the_table(roof):
     """The table is for a shell with shear, which is softer under a point force by about 2 percent."""
     problem, centre = roof
     follower, state = PathFollower(problem), problem.start()
+    row = np.eye(1, problem.energy.unknowns, centre)[0]
     for factor, w in (
         (0.1980, 1.638),
         (0.4686, 4.477),
@@ -147,7 +159,7 @@ def test_displacement_control_gives_the_table(roof):
         (0.6182, 14.188),
         (0.1729, 19.852),
     ):
-        state = follower.displacement(state, centre, -w - state.x[centre]).state
+        state = follower.displacement(state, row, -w - state.x[centre]).state
         assert state.x[centre] == pytest.approx(-w, abs=1e-9)
         assert state.factor == pytest.approx(factor, rel=2.5e-2)
 
