@@ -175,7 +175,9 @@ def _stretching(scene: Scene, mesh: Mesh) -> Iterator[str]:
             value = load.at(_points(mesh, load))
             if _exceeds(value[:, 2], value):
                 yield f"{load} turns it in its plane"
-        elif load.kind == "temperature" and not (is_constant(load.mean) and load.mean == 0.0):
+        elif load.kind == "initial_strain" or (
+            load.kind == "temperature" and not (is_constant(load.mean) and load.mean == 0.0)
+        ):
             yield f"{load} stretches it"
 
 
@@ -213,12 +215,10 @@ def _on_chart(scene: Scene, mesh: Mesh, options: SolveOptions, why: str) -> Mode
 def _beyond_argyris(scene: Scene) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
     for support in scene.supports:
-        if support.kind in ("hinge", "elastic"):
+        if support.kind == "hinge":
             return f"{support} needs it"
     for load in scene.loads:
-        if load.kind in ("temperature", "initial_curvature", "point_moment") or getattr(
-            load, "follower", False
-        ):
+        if getattr(load, "follower", False):
             return f"{load} needs it"
     return ""
 
