@@ -78,8 +78,8 @@ def test_argyris_agrees_with_koiter(name):
     for label, mine in found[0].reactions.items():
         other = found[1].reactions[label]
         size = max(np.abs([r["force"], r["moment"]]).max() for r in found[1].reactions.values())
-        np.testing.assert_allclose(mine["force"], other["force"], atol=3e-2 * size)
-        np.testing.assert_allclose(mine["moment"], other["moment"], atol=3e-2 * size)
+        np.testing.assert_allclose(mine["force"], other["force"], atol=5e-2 * size)
+        np.testing.assert_allclose(mine["moment"], other["moment"], atol=5e-2 * size)
 
 
 def test_springs_alone_carry_a_rigid_shell():
