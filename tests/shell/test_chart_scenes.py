@@ -73,13 +73,13 @@ def test_argyris_agrees_with_koiter(name):
     assert found[0].balance < 1e-7
     assert found[0].external_work == pytest.approx(energy[0], rel=1e-6)
     assert found[0].reactions.keys() == found[1].reactions.keys()
-    if name == "surface in own axes":
+    if name.startswith("surface"):
         return  # which of two supports carries what both hold is a matter of words
     for label, mine in found[0].reactions.items():
         other = found[1].reactions[label]
         size = max(np.abs([r["force"], r["moment"]]).max() for r in found[1].reactions.values())
-        np.testing.assert_allclose(mine["force"], other["force"], atol=5e-2 * size)
-        np.testing.assert_allclose(mine["moment"], other["moment"], atol=5e-2 * size)
+        np.testing.assert_allclose(mine["force"], other["force"], atol=3e-2 * size)
+        np.testing.assert_allclose(mine["moment"], other["moment"], atol=3e-2 * size)
 
 
 def test_springs_alone_carry_a_rigid_shell():
