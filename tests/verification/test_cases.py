@@ -18,6 +18,7 @@ UNBALANCED_ON_CHART = 2e-3
 EXPECTED_WARNINGS = (
     "moments grow without bound",
     "the mesh has flat triangles (order 1) on a curved surface",
+    "membrane locking",
 )
 
 
