@@ -1,7 +1,7 @@
 """The multigrid hierarchy of a plate, as a `pyamg.MultilevelSolver` with PyAMG's smoothers.
 
 Level 0 is the element, level 1 for Argyris the vertex space, all others are reduced-HCT spaces on ever fewer
-vertices; every coarse matrix is the Galerkin product R A P with R = P^T. Smoothing is a Gauss-Seidel sweep
+vertices; every coarse matrix is the Galerkin product R A P with R = P^T. Smoothing is Gauss-Seidel,
 forward before and backward after the coarse correction, so the cycle is symmetric. Everything is in double
 precision: rounding a coarse matrix to single precision would exceed its smallest eigenvalues, which fall like
 (mesh size / length)^4.
@@ -25,7 +25,7 @@ from kshell.solve.multigrid.smoothers import set_smoothers
 from kshell.solve.multigrid.vertex_space import element_interpolation
 from kshell.solve.system import Floats, PlateSpace
 
-COARSEST = 1200  # unknowns that are left to the factorisation
+COARSEST = 3000  # unknowns that are left to the factorisation
 STALL = 0.6  # vertices left by a coarsening, as part of those before, above which it does not work
 LARGEST_FACTOR = 60_000  # unknowns of a level that is factorised where coarsening stalls
 SOFT = 1e-12  # stiffness of a free motion on the coarsest level, where regular ones stay above 1e-8
