@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from kshell.mesh import Mesh
     from kshell.result import Result
     from kshell.scene import Scene
-    from kshell.solving import solve
+    from kshell.solving import solve, trace
     from kshell.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
 
 __version__ = "0.1.0"
@@ -65,6 +65,7 @@ __all__ = [
     "__version__",
     "geometry",
     "solve",
+    "trace",
 ]
 
 # name: where it lives
@@ -92,6 +93,7 @@ _LAZY = {
     "Scene": "kshell.scene",
     "Result": "kshell.result",
     "solve": "kshell.solving",
+    "trace": "kshell.solving",
 }
 
 

@@ -15,6 +15,7 @@ from kshell.mesh.check import Quality, Summary
 from kshell.mesh.words import place
 from kshell.modelling import choose_model
 from kshell.on_chart import mesh_in_space
+from kshell.options import SolveOptions
 from kshell.places import Place
 from kshell.scene import Scene
 from kshell.section import shell_section
@@ -136,5 +137,13 @@ def _check_model(scene: Scene, mesh: Mesh, found: Findings) -> None:
         shell = ShellProblem(scene, mesh, choice)
         unknowns, words = shell.reduction.basis.shape[1], shell.warnings()
         found.model = list(choice.reasons)
-    found.model.append(f"{unknowns} unknowns, small deflections")
+    found.model.append(f"{unknowns} unknowns, " + _regime(scene.solve))
     found.warnings.extend(words)
+
+
+def _regime(options: SolveOptions) -> str:
+    if options.large_asked:
+        return "large deflections"
+    return "small deflections" + (
+        "" if options.large_deflection is False else ", large ones where they matter"
+    )

@@ -1,4 +1,4 @@
-"""The command line: `kshell solve`, `kshell check` and `kshell verify`.
+"""The command line: `kshell solve`, `kshell trace`, `kshell check` and `kshell verify`.
 
 Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
 traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
@@ -16,14 +16,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kshell.errors import InputError, KshellError, KshellWarning, SolveError
+from kshell.cli_scene import flag, is_scene, no_overrides, number, scene_of
+from kshell.errors import InputError, Interrupted, KshellError, KshellWarning, SolveError
 
 if TYPE_CHECKING:
     from kshell.result import Result
     from kshell.scene import Scene
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-COMMANDS = ("solve", "check", "verify")
+COMMANDS = ("solve", "trace", "check", "verify")
 INTERRUPTED = 130
 
 app = typer.Typer(
@@ -46,20 +47,6 @@ Overrides = Annotated[
     ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
-
-# on a mesh file the plate or shell is described by options; on a scene file --set changes it
-DESCRIBING = (
-    "thickness",
-    "E",
-    "nu",
-    "density",
-    "clamped",
-    "supported",
-    "symmetry",
-    "pressure",
-    "mesh_size",
-    "mesh_order",
-)
 
 
 def _print_version(wanted: bool) -> None:
@@ -120,6 +107,10 @@ def solve(
     ] = None,
     mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
     mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,
+    geometry: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Of a flat-sided mesh: .geo, .step, .brep to curve it onto."),
+    ] = None,
     model: Annotated[str | None, typer.Option(metavar="auto|plate|shell", help="Which model.")] = None,
     element: Annotated[
         str | None, typer.Option(metavar="auto|morley|argyris|koiter", help="Which element.")
@@ -127,6 +118,12 @@ def solve(
     order: Annotated[str | None, typer.Option(metavar="auto|1|2|3", help="Of the koiter element.")] = None,
     solver: Annotated[
         str | None, typer.Option(metavar="auto|direct|multigrid", help="How the linear system is solved.")
+    ] = None,
+    large_deflection: Annotated[
+        str | None, typer.Option(metavar="auto|true|false", help="Whether deflections are large.")
+    ] = None,
+    steps: Annotated[
+        str | None, typer.Option(metavar="auto|N", help="First guess of the load steps.")
     ] = None,
     debug: Debug = False,
 ) -> None:
@@ -142,16 +139,70 @@ def solve(
         "pressure": pressure,
         "mesh_size": mesh_size,
         "mesh_order": mesh_order,
+        "geometry": geometry,
     }
     begin = time.perf_counter()
-    scene = _scene(source, plate, set_ or [])
-    given = {"model": model, "element": element, "order": _number(order), "solver": solver}
+    scene = scene_of(source, plate, set_ or [])
+    given = {"model": model, "element": element, "order": number(order), "solver": solver}
+    given |= {"large_deflection": flag(large_deflection), "steps": number(steps)}
     options = {key: value for key, value in given.items() if value is not None}
-    result = _solve(scene, options)
-    written: list[str] = []
     folder = output or (Path(f"{source.stem}-result") if plot else None)
+    try:
+        result = _solve(scene, options)
+    except (SolveError, Interrupted) as error:
+        _save_last(error.state, folder, plot, json)
+        raise
+    written: list[str] = []
     if folder is not None:
         written += result.save(folder, plots=plot)
+    written += _write_json(result, json)
+    if json != "-":
+        from kshell.terminal import print_result
+
+        print_result(result, written, time.perf_counter() - begin)
+
+
+@app.command()
+def trace(
+    source: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="A scene file.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="DIR",
+            help="Write the result, a .vtu per step (path.pvd), the load-deflection picture, and the steps themselves "
+            "as they converge (steps/).",
+        ),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on after the last step in DIR.")] = False,
+    json: Annotated[
+        str | None,
+        typer.Option(
+            "--json", metavar="FILE|-", help="Write result.json to FILE; - is stdout, and nothing else there."
+        ),
+    ] = None,
+    plot: Annotated[
+        bool,
+        typer.Option("--plot", help="Write pictures too; without -o into a folder named after the scene."),
+    ] = False,
+    set_: Overrides = None,
+    debug: Debug = False,
+) -> None:
+    """Follow large deflections while the loads grow from zero to their full size."""
+    if not is_scene(source):
+        raise InputError(f"{source}: trace needs a scene file, .toml")
+    begin = time.perf_counter()
+    scene = scene_of(source, {}, set_ or [])
+    folder = output or (Path(f"{source.stem}-result") if plot else None)
+    if resume and folder is None:
+        raise InputError("--resume needs -o DIR, the folder of the path to go on with")
+    try:
+        result = _trace(scene, None if folder is None else folder / "steps", resume)
+    except (SolveError, Interrupted) as error:
+        _save_last(error.state, folder, plot, json)
+        raise
+    written = [] if folder is None else result.save(folder, plots=plot)
     written += _write_json(result, json)
     if json != "-":
         from kshell.terminal import print_result
@@ -165,7 +216,7 @@ def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
     from kshell.checking import check_mesh, check_scene
     from kshell.terminal import print_findings
 
-    if _is_scene(source):
+    if is_scene(source):
         from kshell.scene import Scene
 
         scene = Scene.load(source, set_ or [])
@@ -173,7 +224,7 @@ def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
     else:
         from kshell.mesh import read_mesh
 
-        _no_overrides(source, set_ or [])
+        no_overrides(source, set_ or [])
         found = check_mesh(read_mesh(source))
     print_findings(found)
     for words in found.problems:
@@ -197,70 +248,6 @@ def verify(
         raise typer.Exit(1)
 
 
-def _is_scene(source: Path) -> bool:
-    return source.suffix.lower() == ".toml"
-
-
-def _no_overrides(source: Path, overrides: Sequence[str]) -> None:
-    if overrides:
-        raise InputError(
-            f"--set {overrides[0]}: {source} is a mesh, --set changes the values of a scene file"
-        )
-
-
-def _scene(source: Path, plate: dict[str, Any], overrides: Sequence[str]) -> Scene:
-    from kshell.scene import Scene
-
-    given = {key: value for key, value in plate.items() if value not in (None, [])}
-    if _is_scene(source):
-        if given:
-            option = next(iter(given)).replace("_", "-")
-            raise InputError(
-                f"--{option} describes the plate or shell of a mesh file, but {source} is a scene file: use --set, "
-                "for example --set thickness=0.02"
-            )
-        return Scene.load(source, overrides)
-    _no_overrides(source, overrides)
-    return _scene_of_options(source, given)
-
-
-def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:
-    from kshell.loads import Pressure
-    from kshell.material import Isotropic
-    from kshell.scene import Scene
-    from kshell.supports import Clamped, SimplySupported, Symmetry
-
-    missing = [f"--{key}" for key in ("thickness", "E", "nu") if key not in given]
-    if missing:
-        raise InputError(
-            f"{', '.join(missing)} missing: a mesh file needs --thickness, --E and --nu, a scene file not"
-        )
-    kinds = {"clamped": Clamped, "supported": SimplySupported, "symmetry": Symmetry}
-    supports = [kind(name) for key, kind in kinds.items() for name in given.get(key, [])]
-    loads = [Pressure(_number_or_text(given["pressure"]))] if "pressure" in given else []
-    return Scene(
-        mesh=mesh,
-        thickness=_number_or_text(given["thickness"]),
-        material=Isotropic(E=given["E"], nu=given["nu"], density=given.get("density", 0.0)),
-        supports=supports,
-        loads=loads,
-        mesh_size=given.get("mesh_size"),
-        mesh_order=given.get("mesh_order"),
-        title=mesh.name,
-    )
-
-
-def _number_or_text(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-def _number(text: str | None) -> int | str | None:
-    return int(text) if text is not None and text.isdigit() else text
-
-
 def _solve(scene: Scene, options: dict[str, Any]) -> Result:
     import warnings
 
@@ -271,6 +258,29 @@ def _solve(scene: Scene, options: dict[str, Any]) -> Result:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
         warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
         return solve_scene(scene, progress=progress, **options)
+
+
+def _trace(scene: Scene, folder: Path | None, resume: bool) -> Result:
+    import warnings
+
+    from kshell.solving import trace as trace_scene
+    from kshell.terminal import Progress
+
+    with warnings.catch_warnings(), Progress().shown() as progress:
+        warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
+        warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
+        return trace_scene(scene, folder=folder, resume=resume, progress=progress)
+
+
+def _save_last(state: Any, folder: Path | None, plot: bool, json: str | None) -> None:
+    """The last good state of a path that was not completed, and where it is."""
+    from kshell.result import Result
+
+    if not isinstance(state, Result):
+        return
+    written = [] if folder is None else state.save(folder, plots=plot)
+    for path in written + _write_json(state, json):
+        print(f"written, up to the last good step: {path}", file=sys.stderr)
 
 
 def _write_json(result: Result, target: str | None) -> list[str]:
@@ -319,6 +329,9 @@ def run(arguments: Sequence[str]) -> int:
     except MemoryError:
         _say("out of memory: take a coarser mesh, element morley, or solver multigrid", debug)
         return 1
+    except Interrupted as error:
+        _say(f"{error}: files are written whole or not at all, --resume goes on with a path", debug)
+        return INTERRUPTED
     except (KeyboardInterrupt, typer.Abort):
         code = INTERRUPTED  # depending on its version typer raises or returns
     if code == INTERRUPTED:

@@ -29,5 +29,13 @@ class SolveError(KshellError):
         self.state = state
 
 
+class Interrupted(KeyboardInterrupt):
+    """The user stopped a path; `state` is the result of the last converged step."""
+
+    def __init__(self, message: str, state: Any = None) -> None:
+        super().__init__(message)
+        self.state = state
+
+
 class KshellWarning(UserWarning):
     """The answer stands, but something about it deserves attention."""

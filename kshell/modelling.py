@@ -100,6 +100,14 @@ def _require_sense(scene: Scene, options: SolveOptions) -> None:
         raise InputError(
             'order is for element = "koiter", which belongs to model = "shell": leave one of them out'
         )
+    if options.large_asked:
+        _require_large(options)
+    followers = [load for load in scene.loads if getattr(load, "follower", False)]
+    if followers and options.large_deflection is False and options.analysis == "static":
+        raise InputError(
+            f"{followers[0]}: follower = true turns the pressure with the surface, which matters only under large "
+            "deflections; leave it out for small ones"
+        )
     if scene.chart is not None and (options.model == "plate" or options.element == "morley"):
         raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
 
@@ -113,6 +121,16 @@ def _require_plate(scene: Scene) -> None:
         raise InputError(f'{shells_only[0]} is for shells: take model = "shell", or leave it out')
 
 
+def _require_large(options: SolveOptions) -> None:
+    what = 'analysis = "path"' if options.analysis == "path" else "large_deflection = true"
+    if options.analysis == "path" and options.large_deflection is False:
+        raise InputError('analysis = "path" follows large deflections: leave large_deflection = false out')
+    if options.model == "plate":
+        raise InputError(f'{what} is for shells, flat ones too: leave model = "plate" out')
+    if options.element == "morley":
+        raise InputError(f'{what} is for shells: leave element = "morley" out, or take "koiter"')
+
+
 def _kind(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[Literal["plate", "shell"], str]:
     if options.model != "auto":
         return options.model, f"kind {options.model}: as asked for"
@@ -121,10 +139,12 @@ def _kind(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[Literal["pla
     flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
     if options.element == "koiter" or options.order != "auto":
         return "shell", "kind shell: the Koiter element was asked for"
-    if options.element == "morley" or (options.element == "argyris" and flat):
+    if options.element == "morley" or (options.element == "argyris" and flat and not options.large_asked):
         return "plate", f"kind plate: element {options.element} was asked for"
     if not flat:
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
+    if options.large_asked:
+        return "shell", "kind shell: large deflections of a flat mesh stretch it"
     stretching = next(_stretching(scene, mesh), None)
     if stretching is None:
         return "plate", "kind plate: the mesh is flat, bending alone describes it"
@@ -145,6 +165,8 @@ def _stretching(scene: Scene, mesh: Mesh) -> Iterator[str]:
             if _exceeds(value[:, :2], value):
                 yield f"{support} moves it in its plane"
     for load in scene.loads:
+        if getattr(load, "follower", False):
+            yield f"{load} follows the surface"
         if load.kind in ("traction", "gravity", "line_force", "point_force"):
             value = load.at(_points(mesh, load))
             if _exceeds(value[:, :2], value):
@@ -194,7 +216,9 @@ def _beyond_argyris(scene: Scene) -> str:
         if support.kind in ("hinge", "elastic"):
             return f"{support} needs it"
     for load in scene.loads:
-        if load.kind in ("temperature", "initial_curvature", "point_moment"):
+        if load.kind in ("temperature", "initial_curvature", "point_moment") or getattr(
+            load, "follower", False
+        ):
             return f"{load} needs it"
     return ""
 

@@ -10,14 +10,15 @@ from pydantic import BeforeValidator
 from kshell.validation import described
 
 
-def _linear(value: Any) -> Any:
-    if value is True:
-        raise ValueError(
-            'must be "auto" or false: this version computes small deflections only, right while they '
-            "stay well below the thickness"
-        )
-    if value is not False and value != "auto":
-        raise ValueError('must be "auto" or false')
+def _large(value: Any) -> Any:
+    if value is not True and value is not False and value != "auto":
+        raise ValueError('must be "auto", true or false')
+    return value
+
+
+def _steps(value: Any) -> Any:
+    if value != "auto" and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+        raise ValueError('must be "auto" or a whole number > 0')
     return value
 
 
@@ -27,8 +28,8 @@ class SolveOptions:
 
     Attributes
     ----------
-    analysis : "static"
-        Deflection under loads.
+    analysis : "static" or "path"
+        Deflection under the loads, or under loads that grow from zero with a factor, through limit points.
     model : "auto", "plate" or "shell"
         The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
     element : "auto", "morley", "argyris" or "koiter"
@@ -36,18 +37,26 @@ class SolveOptions:
         is smooth. Koiter: shells on any surface, and flat ones.
     order : "auto", 1, 2 or 3
         Of the Koiter element.
-    large_deflection : "auto" or False
-        Only small deflections are computed.
+    large_deflection : "auto", True or False
+        "auto": small deflections first, large ones where they differ by more than 1 %.
     solver : "auto", "direct" or "multigrid"
         How the linear system is solved.
+    steps : "auto" or int
+        First guess of the number of load steps; they adapt. "auto": 10 on a path, 1 otherwise.
     """
 
-    analysis: Literal["static"] = "static"
+    analysis: Literal["static", "path"] = "static"
     model: Literal["auto", "plate", "shell"] = "auto"
     element: Literal["auto", "morley", "argyris", "koiter"] = "auto"
     order: Literal["auto", 1, 2, 3] = "auto"
-    large_deflection: Annotated[Any, BeforeValidator(_linear)] = "auto"
+    large_deflection: Annotated[Any, BeforeValidator(_large)] = "auto"
     solver: Literal["auto", "direct", "multigrid"] = "auto"
+    steps: Annotated[Any, BeforeValidator(_steps)] = "auto"
+
+    @property
+    def large_asked(self) -> bool:
+        """Whether large deflections are asked for, in so many words or as a path."""
+        return self.large_deflection is True or self.analysis == "path"
 
     def updated(self, **changes: Any) -> SolveOptions:
         """These options with some changed.

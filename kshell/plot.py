@@ -53,7 +53,10 @@ FEW_TRIANGLES = 4000
 
 def pictures(result: Result) -> tuple[str, ...]:
     """The names of the pictures that a result has."""
-    return PICTURES if result.model.get("kind") != "shell" else (*SHELL_FIELDS, "mesh")
+    if result.model.get("kind") != "shell":
+        return PICTURES
+    path = ("load_deflection",) if result.path and result.probes else ()
+    return (*SHELL_FIELDS, *path, "mesh")
 
 
 def plot(result: Result, what: str = "deflection") -> Figure:
@@ -61,6 +64,10 @@ def plot(result: Result, what: str = "deflection") -> Figure:
     known = pictures(result)
     if what not in known:
         raise InputError(f'no picture "{what}": {suggestion(what, known)}the pictures are {listing(known)}')
+    if what == "load_deflection":
+        from kshell.path_plot import path_figure
+
+        return path_figure(result)
     flat = np.ptp(result.mesh.points[:, 2]) <= FLAT * result.mesh.size
     if what == "mesh":
         from kshell.scene_plot import plot_scene

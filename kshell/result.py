@@ -12,13 +12,14 @@ principal_forces, and the frame of all these tensors: frame_axis_1 (3) and norma
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.deferred import Deferred
 from kshell.errors import InputError, SolveError
 from kshell.naming import listing, suggestion
 
@@ -46,7 +47,8 @@ class Result:
     ----------
     mesh : Mesh
     fields : dict of str to (vertex, k) array
-        Values at vertices, see the module's list.
+        Values at vertices, see the module's list. Those of a plate are recovered when they are first looked at, as are
+        its cell fields and extremes.
     unknowns : int
         Size of the linear system before supports.
     model : dict
@@ -67,6 +69,13 @@ class Result:
         Values at the middle of edges, for pictures and files of curved triangles.
     energies : dict of str to float
         Parts of the strain energy of a shell: membrane, bending, springs.
+    path : list of dict
+        Of large deflections: per converged step factor, probes, iterations, and whether it is stable.
+    critical : list of dict
+        Limit points and bifurcations passed: kind, factor and the number of the step after it. Their modes are
+        the fields mode_1, mode_2, ...
+    series : list of (factor, callable)
+        Per entry of `path` a function that gives its Result.
     evaluate : callable, optional
         Points (n, 3) to a dict of arrays: values anywhere on the surface.
     error : dict
@@ -79,21 +88,24 @@ class Result:
     """
 
     mesh: Mesh
-    fields: dict[str, Floats]
+    fields: MutableMapping[str, Floats]
     unknowns: int
     model: dict[str, Any]
     title: str = ""
     analysis: str = "static"
     frame: str = "global x, y"
     probes: dict[str, dict[str, Any]] = field(default_factory=dict)
-    reactions: dict[str, dict[str, Any]] = field(default_factory=dict)
+    reactions: Mapping[str, MutableMapping[str, Any]] = field(default_factory=dict)
     balance: float = 0.0
     strain_energy: float = 0.0
     external_work: float = 0.0
-    extremes: dict[str, dict[str, Any]] = field(default_factory=dict)
-    cell_fields: dict[str, NDArray[Any]] = field(default_factory=dict)
+    extremes: MutableMapping[str, dict[str, Any]] = field(default_factory=dict)
+    cell_fields: MutableMapping[str, NDArray[Any]] = field(default_factory=dict)
     edge_fields: dict[str, Floats] = field(default_factory=dict)
     energies: dict[str, float] = field(default_factory=dict)
+    path: list[dict[str, Any]] = field(default_factory=list)
+    critical: list[dict[str, Any]] = field(default_factory=list)
+    series: list[tuple[float, Callable[[], Result]]] = field(default_factory=list)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
     error: dict[str, Any] = field(default_factory=no_error_estimate)
     solver: dict[str, Any] = field(default_factory=dict)
@@ -163,7 +175,8 @@ class Result:
             "reactions": self.reactions,
             "balance": self.balance,
             "eigen": [],
-            "path": [],
+            "path": self.path,
+            **({"critical": self.critical} if self.critical else {}),
             "error": self.error,
             "solver": self.solver,
             "warnings": self.warnings,
@@ -240,19 +253,22 @@ class Result:
         return show(self, what, scale, file)
 
 
-def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> dict[str, dict[str, Any]]:
+def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
     """Largest deflection in size (with its sign) and largest von Mises stress, each with its vertex."""
-    candidates: dict[str, Floats] = {}
+    faces = [name for name in ("von_mises_top", "von_mises_bottom") if name in fields]
+    makers = {}
     if "displacement" in fields:
-        candidates["deflection"] = fields["displacement"][:, 2]
-    faces = [np.ravel(fields[name]) for name in ("von_mises_top", "von_mises_bottom") if name in fields]
+        makers["deflection"] = lambda: _extreme(points, fields["displacement"][:, 2])
     if faces:
-        candidates["von_mises"] = np.max(faces, axis=0)
-    extremes = {}
-    for name, values in candidates.items():
-        place = int(np.argmax(np.abs(values)))
-        extremes[name] = {"value": float(values[place]), "at": points[place].tolist()}
-    return extremes
+        makers["von_mises"] = lambda: _extreme(
+            points, np.max([np.ravel(fields[name]) for name in faces], axis=0)
+        )
+    return Deferred(makers)
+
+
+def _extreme(points: Floats, values: Floats) -> dict[str, Any]:
+    place = int(np.argmax(np.abs(values)))
+    return {"value": float(values[place]), "at": points[place].tolist()}
 
 
 def _plain(value: Any, where: str) -> Any:

@@ -24,10 +24,33 @@ def save(result: Result, folder: str | os.PathLike[str], plots: bool = False) ->
         "result.json": lambda path: path.write_text(text, encoding="utf-8"),
         "result.vtu": lambda path: write_vtu(path, result),
     }
+    if result.analysis == "path":
+        writers |= _series(result)
+        if result.probes:
+            writers["load_deflection.png"] = lambda path: save_picture(result, "load_deflection", path)
     if plots:
         for what in pictures(result):
             writers[f"{what}.png"] = lambda path, what=what: save_picture(result, what, path)  # type: ignore[misc]
     return write_together(Path(folder), writers)
+
+
+def _series(result: Result) -> dict[str, Callable[[Path], object]]:
+    """One .vtu per load step, and the .pvd that lists them by load factor."""
+    names = [f"step-{number:04d}.vtu" for number in range(len(result.series))]
+    lines = [
+        f'    <DataSet timestep="{factor:.12g}" part="0" file="{name}"/>'
+        for name, (factor, _) in zip(names, result.series, strict=True)
+    ]
+    text = "\n".join(
+        ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
+        + [*lines, "  </Collection>", "</VTKFile>", ""]
+    )
+    writers: dict[str, Callable[[Path], object]] = {
+        name: lambda path, make=make: write_vtu(path, make())  # type: ignore[misc]
+        for name, (_, make) in zip(names, result.series, strict=True)
+    }
+    writers["path.pvd"] = lambda path: path.write_text(text, encoding="utf-8")
+    return writers
 
 
 def as_json(result: Result) -> str:

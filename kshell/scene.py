@@ -50,6 +50,12 @@ def _mesh(value: Any) -> Any:
     return Path(value) if isinstance(value, str | os.PathLike) else value
 
 
+def _geometry(value: Any) -> Any:
+    if value is not None and (not isinstance(value, str | os.PathLike) or value == ""):
+        raise ValueError("must be the path of a geometry file: .geo, .step, .brep or .iges")
+    return None if value is None else Path(value)
+
+
 def _chart(value: Any) -> Any:
     if isinstance(value, Mapping):
         from kshell.geometry import ready_chart
@@ -117,6 +123,9 @@ class Scene:
         Triangle size, only for geometry files.
     mesh_order : 1 or 2, optional
         Order of the triangles, only for geometry files.
+    geometry : path, optional
+        .geo, .step, .brep or .iges from which a mesh of order 1 was made: its mid-edge nodes are put on the curves
+        and surfaces there, which makes it one of order 2.
     title : str
     solve : SolveOptions or dict
         The defaults for `kshell.solve(scene)`.
@@ -139,6 +148,7 @@ class Scene:
     direction: Annotated[Any, BeforeValidator(_direction)] = None
     mesh_size: Number | None = None
     mesh_order: Literal[1, 2] | None = None
+    geometry: Annotated[Any, BeforeValidator(_geometry)] = None
     title: str = ""
     solve: Any = field(default_factory=SolveOptions)
 
@@ -157,6 +167,10 @@ class Scene:
         self._require_one_section()
         if self.mesh_size is not None and not self.mesh_size > 0:
             raise InputError(f"scene: mesh_size = {self.mesh_size:g} must be > 0")
+        if self.geometry is not None and self.chart is not None:
+            raise InputError(
+                "scene: geometry and chart given: each says how the shell is curved, leave one out"
+            )
 
     def _require_one_section(self) -> None:
         if self.layers is not None:
@@ -194,7 +208,7 @@ class Scene:
         """
         from kshell.mesh import read_mesh
 
-        return read_mesh(self.mesh, mesh_size=self.mesh_size, mesh_order=self.mesh_order)
+        return read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:

@@ -21,7 +21,19 @@ from kshell.validation import unknown_key
 
 # key of the file: argument of Scene
 SIMPLE_KEYS = ("title", "mesh_size", "mesh_order", "thickness", "offset", "direction")
-KEYS = ["title", "mesh", *SIMPLE_KEYS[1:], "layer", "material", "chart", "support", "load", "probe", "solve"]
+KEYS = [
+    "title",
+    "mesh",
+    "geometry",
+    *SIMPLE_KEYS[1:],
+    "layer",
+    "material",
+    "chart",
+    "support",
+    "load",
+    "probe",
+    "solve",
+]
 NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge)}
 
 
@@ -109,8 +121,10 @@ def scene_from_dict(data: Mapping[str, Any], folder: Path, source: str) -> Scene
     arguments = {key: data[key] for key in SIMPLE_KEYS if key in data}
     if "mesh" not in data:
         raise InputError(f'{source}: mesh is missing: give the path of the mesh, e.g. mesh = "plate.msh"')
-    mesh = data["mesh"]
-    arguments["mesh"] = folder / mesh if isinstance(mesh, str | Path) and mesh else mesh
+    for key in ("mesh", "geometry"):
+        if key in data:
+            path = data[key]
+            arguments[key] = folder / path if isinstance(path, str | Path) and path else path
     if "material" in data:
         with _inside(f"{source}, [material]", "material: "):
             arguments["material"] = material_from_dict(_table(data["material"]))

@@ -90,6 +90,13 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         ]
         heads += ["M xx, yy, xy", "stress top xx, yy, xy"]
         console.print(_table(heads, rows, f"Probes (frame: {result.frame})"))
+    if result.path:
+        states = "state" if len(result.path) == 1 else "states"
+        console.print(
+            f"path: {len(result.path)} {states}, up to the load factor {_number(result.path[-1]['factor'])}"
+        )
+    for point in result.critical:
+        console.print(f"  {point['kind']} point at the load factor {_number(point['factor'])}")
     if result.extremes:
         extremes = [
             [name.replace("_", " "), _number(e["value"]), place(e["at"])]

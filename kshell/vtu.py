@@ -9,6 +9,7 @@ mean of the ends.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,7 +76,7 @@ def at_nodes(
     mesh: Mesh,
     name: str,
     values: Floats,
-    fields: dict[str, Floats],
+    fields: Mapping[str, Floats],
     edge_fields: dict[str, Floats] | None = None,
 ) -> Floats:
     """Values at vertices, and at mid-edge nodes where the mesh has them."""

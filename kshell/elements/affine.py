@@ -11,7 +11,7 @@ n        unit normal of an edge, t turned by -90 degrees; the same seen from bot
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,8 @@ class AffineTriangles:
 
     corners: Floats
     sense: Floats
+    transformations: dict[type, Floats] = field(default_factory=dict, init=False, repr=False)
+    """What `PlateElement.transformation` found, by element."""
 
     @classmethod
     def of_mesh(cls, mesh: Mesh, triangles: NDArray[np.integer] | slice = slice(None)) -> AffineTriangles:
@@ -57,7 +59,7 @@ class AffineTriangles:
     def jacobian(self) -> Floats:
         """(triangle, 2, 2) J."""
         c = self.corners
-        return np.stack([c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]], axis=-1)
+        return np.ascontiguousarray(np.swapaxes(c[:, 1:] - c[:, :1], 1, 2))
 
     @cached_property
     def determinant(self) -> Floats:
@@ -69,10 +71,11 @@ class AffineTriangles:
     def inverse(self) -> Floats:
         """(triangle, 2, 2) of d xi_a / d x_i: grad v = inverse^T grad_xi v."""
         j = self.jacobian
-        swapped = np.stack(
-            [np.stack([j[:, 1, 1], -j[:, 0, 1]], -1), np.stack([-j[:, 1, 0], j[:, 0, 0]], -1)], axis=-2
-        )
-        return swapped / self.determinant[:, None, None]
+        out = np.empty_like(j)
+        out[:, 0, 0], out[:, 0, 1] = j[:, 1, 1], -j[:, 0, 1]
+        out[:, 1, 0], out[:, 1, 1] = -j[:, 1, 0], j[:, 0, 0]
+        out /= self.determinant[:, None, None]
+        return out
 
     @cached_property
     def edge_vectors(self) -> Floats:
@@ -93,7 +96,9 @@ class AffineTriangles:
     def normals(self) -> Floats:
         """(triangle, edge, 2) n, t turned by -90 degrees."""
         t = self.tangents
-        return np.stack([t[..., 1], -t[..., 0]], axis=-1)
+        out = np.empty_like(t)
+        out[..., 0], out[..., 1] = t[..., 1], -t[..., 0]
+        return out
 
     def reference_coordinates(self, points: Floats) -> Floats:
         """xi of points (triangle, point, 2), given relative to the same origin as the corners."""
@@ -104,21 +109,27 @@ class AffineTriangles:
         """(triangle, 3, 3) from (v_xi_xi, v_xi_eta, v_eta_eta) to (v_xx, v_yy, 2 v_xy)."""
         a, b = self.inverse[:, 0, 0], self.inverse[:, 0, 1]  # d xi / dx, d xi / dy
         c, d = self.inverse[:, 1, 0], self.inverse[:, 1, 1]  # d eta / dx, d eta / dy
-        return np.stack(
-            [
-                np.stack([a * a, 2 * a * c, c * c], -1),
-                np.stack([b * b, 2 * b * d, d * d], -1),
-                np.stack([2 * a * b, 2 * (a * d + b * c), 2 * c * d], -1),
-            ],
-            axis=-2,
-        )
+        out = np.empty((len(self), 3, 3))
+        out[:, 0, 0], out[:, 0, 1], out[:, 0, 2] = a * a, 2 * a * c, c * c
+        out[:, 1, 0], out[:, 1, 1], out[:, 1, 2] = b * b, 2 * b * d, d * d
+        out[:, 2, 0], out[:, 2, 1], out[:, 2, 2] = 2 * a * b, 2 * (a * d + b * c), 2 * c * d
+        return out
 
     @cached_property
     def third_map(self) -> Floats:
         """(triangle, 4, 4) from third derivatives in xi, eta to (v_xxx, v_xxy, v_xyy, v_yyy)."""
-        out = np.zeros((len(self), 4, 4))
-        for row, axes in enumerate(((0, 0, 0), (0, 0, 1), (0, 1, 1), (1, 1, 1))):
-            for choice in np.ndindex(2, 2, 2):  # which reference coordinate each derivative goes through
-                factor = np.prod([self.inverse[:, r, x] for r, x in zip(choice, axes, strict=True)], axis=0)
-                out[:, row, sum(choice)] += factor
+        a, b = self.inverse[:, 0, 0], self.inverse[:, 0, 1]  # d xi / dx, d xi / dy
+        c, d = self.inverse[:, 1, 0], self.inverse[:, 1, 1]  # d eta / dx, d eta / dy
+        aa, ac, cc, bb, bd, dd = a * a, a * c, c * c, b * b, b * d, d * d
+        out = np.empty((len(self), 4, 4))
+        for row, columns in enumerate(
+            (
+                (aa * a, 3 * aa * c, 3 * a * cc, cc * c),
+                (aa * b, aa * d + 2 * ac * b, cc * b + 2 * ac * d, cc * d),
+                (bb * a, bb * c + 2 * bd * a, dd * a + 2 * bd * c, dd * c),
+                (bb * b, 3 * bb * d, 3 * b * dd, dd * d),
+            )
+        ):
+            for column, value in enumerate(columns):
+                out[:, row, column] = value
         return out

@@ -41,40 +41,35 @@ class ElementArgyris(PlateElement):
     vertex_powers = (0, 1, 1, 2, 2, 2)
     edge_powers = (1,)
 
-    def transformation(self, triangles: AffineTriangles) -> Floats:
+    def _transformation(self, triangles: AffineTriangles) -> Floats:
         """M: gradients and Hessians at vertices by the chain rule; on an edge w is the quintic given
         by its end values, slopes and second derivatives, so its slope at the midpoint is known."""
         j = triangles.jacobian
         x_xi, x_eta, y_xi, y_eta = j[:, 0, 0], j[:, 0, 1], j[:, 1, 0], j[:, 1, 1]
         m = np.zeros((len(triangles), 21, 21))
-        for v in range(3):
-            block = m[:, 6 * v : 6 * v + 6, 6 * v : 6 * v + 6]
-            block[:, 0, 0] = 1.0
-            block[:, 1, 1], block[:, 1, 2] = x_xi, y_xi
-            block[:, 2, 1], block[:, 2, 2] = x_eta, y_eta
-            block[:, 3, 3], block[:, 3, 4], block[:, 3, 5] = x_xi**2, 2 * x_xi * y_xi, y_xi**2
-            block[:, 4, 3], block[:, 4, 5] = x_xi * x_eta, y_xi * y_eta
-            block[:, 4, 4] = x_xi * y_eta + x_eta * y_xi
-            block[:, 5, 3], block[:, 5, 4], block[:, 5, 5] = x_eta**2, 2 * x_eta * y_eta, y_eta**2
+        block = m[:, :6, :6]
+        block[:, 0, 0] = 1.0
+        block[:, 1:3, 1:3] = np.swapaxes(j, 1, 2)
+        block[:, 3, 3], block[:, 3, 4], block[:, 3, 5] = x_xi**2, 2 * x_xi * y_xi, y_xi**2
+        block[:, 4, 3], block[:, 4, 5] = x_xi * x_eta, y_xi * y_eta
+        block[:, 4, 4] = x_xi * y_eta + x_eta * y_xi
+        block[:, 5, 3], block[:, 5, 4], block[:, 5, 5] = x_eta**2, 2 * x_eta * y_eta, y_eta**2
+        m[:, 6:12, 6:12] = m[:, 12:18, 12:18] = block
+
         along_normal, along_tangent = normal_components(triangles)
-        for k, ends in enumerate(EDGE_VERTICES):
-            row = 18 + k
-            m[:, row, row] = along_normal[:, k]
-            tx, ty = triangles.tangents[:, k].T
-            length = triangles.lengths[:, k]
-            # from lower to higher vertex: 15/8 [w] / L - 7/16 (w_t + w_t) + L/32 [w_tt]
-            for v, end in zip(ends, (-1.0, 1.0), strict=True):
-                sign = end * triangles.sense[:, k]
-                value = 15 / 8 * sign / length
-                second = sign * length / 32
-                parts = (
-                    value,
-                    -7 / 16 * tx,
-                    -7 / 16 * ty,
-                    second * tx**2,
-                    2 * second * tx * ty,
-                    second * ty**2,
-                )
-                for dof, part in enumerate(parts):
-                    m[:, row, 6 * v + dof] = along_tangent[:, k] * part
+        edge = np.arange(3)
+        m[:, 18 + edge, 18 + edge] = along_normal
+        # slope at the midpoint, from lower to higher vertex: 15/8 [w] / L - 7/16 (w_t + w_t) + L/32 [w_tt]
+        t = triangles.tangents
+        rise = along_tangent * triangles.sense  # [ ] is then from the first to the second local vertex
+        parts = np.empty((len(triangles), 3, 6))
+        parts[..., 0] = 15 / 8 * rise / triangles.lengths
+        parts[..., 1:3] = (-7 / 16 * along_tangent)[..., None] * t
+        bend = rise * triangles.lengths / 32
+        parts[..., 3] = bend * t[..., 0] ** 2
+        parts[..., 4] = 2 * bend * t[..., 0] * t[..., 1]
+        parts[..., 5] = bend * t[..., 1] ** 2
+        rows = m[:, 18:, :18].reshape(len(triangles), 3, 3, 6)  # a view: (triangle, edge, vertex, dof)
+        rows[:, edge, EDGE_VERTICES[:, 1]] = parts
+        rows[:, edge, EDGE_VERTICES[:, 0]] = parts * np.array([-1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
         return m

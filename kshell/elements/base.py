@@ -53,9 +53,19 @@ class PlateElement(Element):
         """Degrees of freedom of a triangle."""
         return 3 * len(self.vertex_powers) + 3 * len(self.edge_powers)
 
-    @abstractmethod
     def transformation(self, triangles: AffineTriangles) -> Floats:
-        """(triangle, reference dof, dof) M: reference degrees of freedom from physical ones."""
+        """(triangle, reference dof, dof) M: reference degrees of freedom from physical ones.
+
+        Kept with the triangles, so not to be written to.
+        """
+        known = triangles.transformations
+        if type(self) not in known:
+            known[type(self)] = self._transformation(triangles)
+        return known[type(self)]
+
+    @abstractmethod
+    def _transformation(self, triangles: AffineTriangles) -> Floats:
+        """M of the element."""
 
     def gbasis(
         self, mapping: Any, X: Floats, i: int, tind: NDArray[np.integer] | None = None

@@ -54,9 +54,28 @@ def stiffness(
     -------
     (triangle, unknown, unknown) array.
     """
+    return _constant_coefficient(element, 2, _bending_weight(triangles, bending), transform)
+
+
+def _bending_weight(triangles: AffineTriangles, bending: Floats) -> Floats:
+    """(triangle, partial, partial) D in reference derivatives, times the area."""
     to_xy = triangles.curvature_map
-    weight = np.swapaxes(to_xy, 1, 2) @ bending @ to_xy * np.abs(triangles.determinant)[:, None, None]
-    return _constant_coefficient(element, 2, weight, transform)
+    return np.swapaxes(to_xy, 1, 2) @ bending @ to_xy * np.abs(triangles.determinant)[:, None, None]
+
+
+def stiffness_product(
+    element: PlateElement, triangles: AffineTriangles, bending: Floats, vector: Floats
+) -> Floats:
+    """`stiffness` times a function with reference degrees of freedom (triangle, reference dof).
+
+    Returns
+    -------
+    (triangle, reference dof) array, without the matrices being formed.
+    """
+    weight = _bending_weight(triangles, bending).reshape(len(vector), 1, -1)
+    n = element.count
+    tables = _tables(element.basis, 2).reshape(-1, n)  # R_ab is symmetric together with a and b
+    return (weight @ (vector @ tables.T).reshape(len(vector), -1, n))[:, 0]
 
 
 def mass(element: PlateElement, triangles: AffineTriangles, density: Floats, transform: Floats) -> Floats:
@@ -97,15 +116,21 @@ def rows(
     (triangle, point, partial, unknown) array.
     """
     reference = element.basis.tabulate(points, order)  # (..., point, partial, basis)
-    if order == 1:
-        reference = np.swapaxes(triangles.inverse, 1, 2)[:, None] @ reference
-    elif order == 2:
-        reference = triangles.curvature_map[:, None] @ reference
-    elif order == 3:
-        reference = triangles.third_map[:, None] @ reference
+    to_xy = derivative_map(triangles, order)
+    if to_xy is not None:
+        reference = to_xy[:, None] @ reference
     shape = (len(triangles), *reference.shape[-3:])
     flat = np.broadcast_to(reference, shape).reshape(len(triangles), -1, element.count)
     return (flat @ transform).reshape(*shape[:3], transform.shape[2])
+
+
+def derivative_map(triangles: AffineTriangles, order: int) -> Floats | None:
+    """(triangle, partial, partial) from derivatives in xi to those of `rows` in x, y; None for the identity."""
+    if order == 0:
+        return None
+    if order == 1:
+        return np.swapaxes(triangles.inverse, 1, 2)
+    return triangles.curvature_map if order == 2 else triangles.third_map
 
 
 def integrate_products(left: Floats, weight: Floats, right: Floats) -> Floats:

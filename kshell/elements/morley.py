@@ -36,9 +36,8 @@ def normal_components(triangles: AffineTriangles) -> tuple[Floats, Floats]:
         J n_ref = along_normal n + along_tangent t.
     """
     j, n = triangles.jacobian, triangles.normals
-    mapped = np.stack(
-        [-j[:, :, 1], j[:, :, 0] + j[:, :, 1], j[:, :, 0]], axis=1
-    )  # J n_ref: (triangle, edge, 2)
+    mapped = np.empty_like(n)  # J n_ref: (triangle, edge, 2)
+    mapped[:, 0], mapped[:, 1], mapped[:, 2] = -j[:, :, 1], j[:, :, 0] + j[:, :, 1], j[:, :, 0]
     along_normal = mapped[..., 0] * n[..., 0] + mapped[..., 1] * n[..., 1]
     # t is n turned by 90 degrees
     return along_normal, mapped[..., 1] * n[..., 0] - mapped[..., 0] * n[..., 1]
@@ -57,7 +56,7 @@ class ElementMorley(PlateElement):
     vertex_powers = (0,)
     edge_powers = (1,)
 
-    def transformation(self, triangles: AffineTriangles) -> Floats:
+    def _transformation(self, triangles: AffineTriangles) -> Floats:
         """M: the tangential derivative at a midpoint of a quadratic is the difference quotient."""
         along_normal, along_tangent = normal_components(triangles)
         m = np.zeros((len(triangles), 6, 6))

@@ -6,7 +6,7 @@ exact integrals of products) follows from it, once per element type.
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import factorial
 
 import numpy as np
@@ -25,8 +25,9 @@ PARTIALS = (
 )
 
 
+@lru_cache(maxsize=32)
 def exponents(degree: int) -> NDArray[np.int64]:
-    """(monomial, 2) exponents of xi and eta of all monomials up to a degree."""
+    """(monomial, 2) exponents of xi and eta of all monomials up to a degree; not to be written to."""
     return np.array(
         [(i, j) for total in range(degree + 1) for i in range(total, -1, -1) for j in [total - i]]
     )
@@ -43,11 +44,12 @@ def falling(n: NDArray[np.int64], k: int) -> NDArray[np.int64]:
 def monomials(degree: int, points: Floats, partial: tuple[int, int] = (0, 0)) -> Floats:
     """One partial derivative of every monomial at points (..., 2): an array (..., monomial)."""
     power = exponents(degree)
+    of_both = powers(points, degree)  # (..., xi or eta, exponent)
+    if partial == (0, 0):
+        return of_both[..., 0, power[:, 0]] * of_both[..., 1, power[:, 1]]
     factor = falling(power[:, 0], partial[0]) * falling(power[:, 1], partial[1])
     left = np.maximum(power - np.array(partial), 0)
-    x = powers(points[..., 0], degree)[..., left[:, 0]]
-    y = powers(points[..., 1], degree)[..., left[:, 1]]
-    return factor * x * y
+    return factor * of_both[..., 0, left[:, 0]] * of_both[..., 1, left[:, 1]]
 
 
 def powers(x: Floats, degree: int) -> Floats:
@@ -89,9 +91,28 @@ class DualBasis:
         -------
         (..., partial, basis) array, the partials in the order of `PARTIALS`.
         """
-        return np.stack(
-            [monomials(self.degree, points, p) @ self.coefficients for p in PARTIALS[order]], axis=-2
-        )
+        shape = (*points.shape[:-1], len(PARTIALS[order]), len(self))
+        if order > self.degree:
+            return np.zeros(shape)
+        return (monomials(self.degree - order, points) @ self._derivatives[order]).reshape(shape)
+
+    @cached_property
+    def _derivatives(self) -> tuple[Floats, ...]:
+        """By order: (monomial of the derivative's degree, partial * basis) coefficients of the derivatives."""
+        power = exponents(self.degree)
+        out = []
+        for order, partials in enumerate(PARTIALS[: self.degree + 1]):
+            lower = {
+                pair: row for row, pair in enumerate(map(tuple, exponents(self.degree - order).tolist()))
+            }
+            table = np.zeros((len(lower), len(partials), len(self)))
+            for k, partial in enumerate(partials):
+                factor = falling(power[:, 0], partial[0]) * falling(power[:, 1], partial[1])
+                for m in np.flatnonzero(factor):
+                    i, j = (power[m] - partial).tolist()
+                    table[lower[i, j], k] = factor[m] * self.coefficients[m]
+            out.append(table.reshape(len(lower), -1))
+        return tuple(out)
 
     def product_integrals(self, order: int) -> Floats:
         """Exact integrals over the reference triangle of products of derivatives.

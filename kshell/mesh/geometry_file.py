@@ -1,6 +1,6 @@
 """Meshing geometry files (.geo, .step, .brep, .iges) through gmsh.
 
-gmsh is imported here and nowhere else, when a geometry file must be meshed: its library needs graphics
+gmsh is imported here and nowhere else, when a geometry file must be opened: its library needs graphics
 libraries of the system even without a screen.
 """
 
@@ -59,27 +59,55 @@ def read_geometry(path: Path, mesh_size: float | None = None, mesh_order: int | 
         raise InputError(f"mesh_size must be a positive length, not {mesh_size}")
     if mesh_order not in (None, 1, 2):
         raise InputError(f"mesh_order must be 1 or 2, not {mesh_order}")
-    gmsh = _import_gmsh()
-    with tempfile.TemporaryDirectory(prefix="kshell-") as folder, _session(gmsh):
+    with tempfile.TemporaryDirectory(prefix="kshell-") as folder, opened(path, Path(folder)) as gmsh:
         target = Path(folder) / "mesh.msh"
-        try:
-            _mesh(gmsh, path, target, mesh_size, mesh_order)
-        except Exception as error:
-            # gmsh raises plain Exception for all that goes wrong in it; other classes are no errors of gmsh
-            if type(error) is not Exception:
-                raise
-            said = "; ".join(_errors(gmsh)) or str(error) or "no reason given"
-            for folder_part in (folder, str(path.resolve().parent)):  # gmsh names the file in full
-                said = said.replace(folder_part + os.sep, "")
-            raise InputError(
-                f"{path.name}: gmsh cannot mesh it: {said}. Open the file in gmsh to see where"
-            ) from error
+        _mesh(gmsh, path, target, mesh_size, mesh_order)
         raw = read_gmsh(target, path.name)
     if path.suffix.lower() in IN_MILLIMETRES:
         raw.notes.append(
             "lengths are in millimetres: gmsh converts files of this format to them, whatever their unit"
         )
     return raw
+
+
+@contextmanager
+def opened(path: Path, folder: Path, purpose: str = "mesh it") -> Iterator[Any]:
+    """The module gmsh with a geometry file opened in it; ended whatever happens.
+
+    Parameters
+    ----------
+    path : Path
+    folder : Path
+        For files needed meanwhile.
+    purpose : str
+        What gmsh is wanted for, in messages.
+
+    Raises
+    ------
+    InputError
+        If gmsh cannot be loaded, cannot read the file, or fails at anything done meanwhile; the message repeats
+        gmsh's own.
+    """
+    gmsh = _import_gmsh()
+    with _session(gmsh):
+        try:
+            gmsh.open(str(_with_line_end(path, folder)))
+            if not gmsh.model.getEntities(2):
+                raise InputError(
+                    f"{path.name}: has no surface to mesh. A .geo file needs a `Curve Loop` and a `Plane Surface` "
+                    "(or another surface)"
+                )
+            yield gmsh
+        except Exception as error:
+            # gmsh raises plain Exception for all that goes wrong in it; other classes are no errors of gmsh
+            if type(error) is not Exception:
+                raise
+            said = "; ".join(_errors(gmsh)) or str(error) or "no reason given"
+            for folder_part in (str(folder), str(path.resolve().parent)):  # gmsh names the file in full
+                said = said.replace(folder_part + os.sep, "")
+            raise InputError(
+                f"{path.name}: gmsh cannot {purpose}: {said}. Open the file in gmsh to see where"
+            ) from error
 
 
 def _import_gmsh() -> Any:
@@ -90,12 +118,12 @@ def _import_gmsh() -> Any:
         package = PACKAGE_OF_LIBRARY.get(missing.partition(".so")[0])
         packages = " ".join(dict.fromkeys(([package] if package else []) + ALL_PACKAGES.split()))
         raise InputError(
-            f"gmsh, which meshes geometry files, cannot be loaded: {error}. Install the system library, on "
+            f"gmsh, which reads geometry files, cannot be loaded: {error}. Install the system library, on "
             f"Debian or Ubuntu `apt-get install {packages}`, or mesh the file elsewhere and give the .msh"
         ) from error
     except ImportError as error:
         raise InputError(
-            f"meshing geometry files needs gmsh: {error}. Install it, `pip install gmsh`, or give a .msh file"
+            f"geometry files need gmsh: {error}. Install it, `pip install gmsh`, or give a .msh file"
         ) from error
     return gmsh
 
@@ -105,7 +133,7 @@ def _session(gmsh: Any) -> Iterator[None]:
     """gmsh started with its defaults and silent; ended whatever happens."""
     if gmsh.isInitialized():
         raise InputError(
-            "gmsh is in use already, and meshing a geometry file would change its options and models. Call "
+            "gmsh is in use already, and opening a geometry file would change its options and models. Call "
             "gmsh.finalize() first, or write the mesh with gmsh.write('mesh.msh') and give that file"
         )
     with _silent_output():
@@ -134,12 +162,6 @@ def _silent_output() -> Iterator[None]:
 
 
 def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_order: int | None) -> None:
-    gmsh.open(str(_with_line_end(path, target.parent)))
-    if not gmsh.model.getEntities(2):
-        raise InputError(
-            f"{path.name}: has no surface to mesh. A .geo file needs a `Curve Loop` and a `Plane Surface` "
-            "(or another surface)"
-        )
     number = gmsh.option.setNumber
     if mesh_size is not None:
         number("Mesh.MeshSizeMin", mesh_size)

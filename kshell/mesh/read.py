@@ -21,7 +21,12 @@ GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges",
 LARGE = 50_000  # vertices of a file from which on they are put in spatial order
 
 
-def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | None = None) -> Mesh:
+def read_mesh(
+    source: Any,
+    mesh_size: float | None = None,
+    mesh_order: int | None = None,
+    geometry: str | os.PathLike[str] | None = None,
+) -> Mesh:
     """A checked mesh from a file or an object.
 
     Parameters
@@ -32,6 +37,9 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
         Edge length wanted everywhere, for geometry files only; absent: the sizes the file itself gives.
     mesh_order : 1 or 2, optional
         For geometry files only; absent: what the file itself gives.
+    geometry : path, optional
+        .geo, .step, .brep or .iges from which a mesh of order 1 was made: it becomes one of order 2 with its
+        mid-edge nodes on the curves and surfaces there.
 
     Notes
     -----
@@ -40,8 +48,10 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
     Raises
     ------
     InputError
-        If the source cannot be read, or the mesh is not one of usable triangles.
+        If the source cannot be read, or the mesh is not one of usable triangles, or not one of `geometry`.
     """
+    if geometry is not None:
+        return _on_geometry(source, Path(geometry), mesh_size, mesh_order)
     is_path = isinstance(source, (str, os.PathLike))
     path = Path(source) if is_path else None
     is_geometry = path is not None and path.suffix.lower() in GEOMETRY_SUFFIXES
@@ -72,6 +82,24 @@ def read_mesh(source: Any, mesh_size: float | None = None, mesh_order: int | Non
     return _quick_to_walk(build(read_foreign(path)))
 
 
+def _on_geometry(source: Any, path: Path, mesh_size: float | None, mesh_order: int | None) -> Mesh:
+    from kshell.mesh.on_geometry import put_on_geometry
+
+    if path.suffix.lower() not in GEOMETRY_SUFFIXES:
+        raise InputError(
+            f'geometry = "{path.name}" is no geometry file: give the {", ".join(GEOMETRY_SUFFIXES)} from which the '
+            "mesh was made"
+        )
+    if isinstance(source, str | os.PathLike) and Path(source).suffix.lower() in GEOMETRY_SUFFIXES:
+        raise InputError(
+            f"geometry is for meshes: {Path(source).name} is a geometry file itself. Leave geometry out and write "
+            "mesh_order = 2"
+        )
+    mesh = read_mesh(source, mesh_size, mesh_order)
+    _require_file(path, "geometry")
+    return put_on_geometry(mesh, path)
+
+
 def _quick_to_walk(mesh: Mesh) -> Mesh:
     """Large meshes from files in spatial order, which makes all that follows faster; others as they are."""
     return in_spatial_order(mesh)[0] if len(mesh.points) > LARGE else mesh
@@ -88,9 +116,9 @@ def facing_up(mesh: Mesh) -> Mesh:
     return replace(reversed_triangles(mesh, reverse), notes=(*mesh.notes, note))
 
 
-def _require_file(path: Path) -> None:
+def _require_file(path: Path, what: str = "mesh") -> None:
     if path.is_dir():
-        raise InputError(f"{path} is a folder, not a mesh file")
+        raise InputError(f"{path} is a folder, not a {what} file")
     if path.is_file():
         return
     near = ""
@@ -98,7 +126,7 @@ def _require_file(path: Path) -> None:
         close = nearest_name(path.name, [file.name for file in path.parent.iterdir() if file.is_file()])
         near = f" Did you mean '{close}'?" if close else ""
     raise InputError(
-        f"mesh file {path} not found.{near} Relative paths start from the folder of the scene, or the "
+        f"{what} file {path} not found.{near} Relative paths start from the folder of the scene, or the "
         "present one"
     )
 

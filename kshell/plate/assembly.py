@@ -11,13 +11,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Form
 from kshell.plate.loading import LinearForm
-from kshell.plate.pattern import Pattern
+from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.reduction import Reduction
 
 Floats = NDArray[np.float64]
@@ -31,6 +30,7 @@ class Assembled:
     Attributes
     ----------
     matrix : (unknown, unknown) CSR matrix
+        Or a dense array, if that was asked for.
     load : (unknown,) array
         Of the loads alone.
     load_work : float
@@ -41,7 +41,7 @@ class Assembled:
         Twice the energy of the prescribed motion alone, g^T K g.
     """
 
-    matrix: sp.csr_matrix
+    matrix: Any
     load: Floats
     load_work: float
     fixed_load: Floats
@@ -49,7 +49,11 @@ class Assembled:
 
 
 def assemble(
-    forms: Sequence[Form], loads: Sequence[LinearForm], domain: Domain, reduction: Reduction, pattern: Pattern
+    forms: Sequence[Form],
+    loads: Sequence[LinearForm],
+    domain: Domain,
+    reduction: Reduction,
+    pattern: Pattern | FullPattern,
 ) -> Assembled:
     """Sum of forms as a matrix on the unknowns, of loads as a vector, and what prescribed values contribute."""
     data = np.zeros(pattern.entries + 1)
@@ -70,10 +74,7 @@ def assemble(
             both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
             add_to(fixed_load, batch.unknown, -both[:, :-1, -1])
             fixed_energy += float(both[:, -1, -1].sum())
-    shape = (reduction.count, reduction.count)
-    matrix = sp.csr_matrix((data[:-1], pattern.indices, pattern.indptr), shape=shape)
-    matrix.has_sorted_indices = True
-    return Assembled(matrix, load, load_work, fixed_load, fixed_energy)
+    return Assembled(pattern.matrix(data[:-1]), load, load_work, fixed_load, fixed_energy)
 
 
 def assemble_load(loads: Sequence[LinearForm], domain: Domain, reduction: Reduction) -> tuple[Floats, float]:
@@ -142,7 +143,7 @@ def residual(
     d : (dof,) array
         Physical degrees of freedom.
     where : (n,) int array
-        Triangles to sum over; entries of degrees of freedom that other triangles share are incomplete.
+        Triangles to sum over at least; entries of degrees of freedom that others share are incomplete.
     """
     layout = reduction.layout
     out = np.zeros(layout.count)
@@ -152,8 +153,7 @@ def residual(
         for positions, triangles in _chunks(form, wanted):
             transform = layout.element.transformation(domain.affine(triangles))
             dofs = layout.triangle_dofs(triangles)
-            both = np.concatenate([transform, transform @ d[dofs][:, :, None]], axis=2)
-            np.add.at(out, dofs, form.matrices(positions, both)[:, :-1, -1])
+            np.add.at(out, dofs, form.products(positions, transform, transform @ d[dofs][:, :, None]))
     for load in loads:
         for positions, triangles in _chunks(load, wanted):
             transform = layout.element.transformation(domain.affine(triangles))
@@ -172,6 +172,10 @@ def _chunks(form: Form | LinearForm, wanted: NDArray[np.bool_] | None = None) ->
     for positions, triangles in form.blocks():
         if wanted is not None:
             keep = wanted[triangles]
-            positions, triangles = positions[keep], triangles[keep]
+            if 2 * np.count_nonzero(keep) < len(keep):  # else the maps of the whole batch are at hand
+                positions, triangles = positions[keep], triangles[keep]
+        if 0 < len(triangles) <= BLOCK:
+            yield positions, triangles
+            continue
         for start in range(0, len(triangles), BLOCK):
             yield positions[start : start + BLOCK], triangles[start : start + BLOCK]

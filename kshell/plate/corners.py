@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
-from kshell.plate.curves import edge_curves
+from kshell.plate.curves import EdgeCurves, edge_curves
 from kshell.plate.supports import Supports
 
 Floats = NDArray[np.float64]
@@ -23,38 +23,44 @@ RE_ENTRANT = np.radians(190.0)
 SMOOTH = 1 - 1e-6  # cosine between tangents that belong to one smooth line
 
 
-def corner_angles(mesh: Mesh) -> dict[int, float]:
-    """Interior angle (radians) at each corner of the boundary, by vertex."""
-    curves = edge_curves(mesh, mesh.boundary_edges)
+def corner_angles(mesh: Mesh, shape: EdgeCurves | None = None) -> dict[int, float]:
+    """Interior angle (radians) at each corner of the boundary, by vertex.
+
+    ``shape`` of the boundary edges saves rebuilding it where it is known.
+    """
+    curves = edge_curves(mesh, mesh.boundary_edges) if shape is None else shape
     ends = mesh.edges[curves.edges]
     tangents: dict[int, list[Floats]] = {}
     for k, pair in enumerate(ends.tolist()):
         for end, v in enumerate(pair):
             tangents.setdefault(v, []).append(curves.tangent[k, end])
     corners = {v for v, t in tangents.items() if len(t) == 2 and abs(float(t[0] @ t[1])) < SMOOTH}
-    total = np.zeros(len(mesh.points))
-    x = mesh.points[mesh.triangles]
-    for k in range(3):
-        a, b = x[:, (k + 1) % 3] - x[:, k], x[:, (k + 2) % 3] - x[:, k]
-        cosine = (a * b).sum(1) / (np.linalg.norm(a, axis=1) * np.linalg.norm(b, axis=1))
-        np.add.at(total, mesh.triangles[:, k], np.arccos(np.clip(cosine, -1, 1)))
+    at_corner = np.zeros(len(mesh.points), dtype=bool)
+    at_corner[np.array(sorted(corners), dtype=np.int64)] = True
+    triangle, local = np.nonzero(at_corner[mesh.triangles])
+    vertex, after, before = (mesh.triangles[triangle, (local + step) % 3] for step in range(3))
+    a, b = mesh.points[after] - mesh.points[vertex], mesh.points[before] - mesh.points[vertex]
+    cosine = (a * b).sum(1) / np.sqrt((a * a).sum(1) * (b * b).sum(1))
+    total = np.bincount(vertex, np.arccos(np.clip(cosine, -1, 1)), len(mesh.points))
     return {v: float(total[v]) for v in corners}
 
 
-def singular_corners(mesh: Mesh, supports: Supports) -> list[str]:
+def singular_corners(mesh: Mesh, supports: Supports, shape: EdgeCurves | None = None) -> list[str]:
     """Warnings about corners that need a mesh refined towards them."""
     held = np.zeros(len(mesh.edges), dtype=bool)
     clamped = np.zeros(len(mesh.edges), dtype=bool)
     for group in supports.held:
         held[group.line] = True
-        clamped[np.intersect1d(group.line, group.edges)] = True
+        turned = np.zeros(len(mesh.edges), dtype=bool)
+        turned[group.edges] = True
+        clamped[group.line] |= turned[group.line]
     boundary = mesh.boundary_edges
     around: dict[int, list[int]] = {}
     for e in boundary.tolist():
         for v in mesh.edges[e].tolist():
             around.setdefault(v, []).append(e)
     obtuse, re_entrant = [], []
-    for v, angle in corner_angles(mesh).items():
+    for v, angle in corner_angles(mesh, shape).items():
         edges = around[v]
         if angle > RE_ENTRANT:
             re_entrant.append((v, angle))

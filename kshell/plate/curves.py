@@ -15,6 +15,7 @@ delta(s)   gamma(s) minus the chord  =  s (1 - s) phi(s), phi a cubic
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -71,7 +72,7 @@ class EdgeCurves:
             c = c[:, 1:] * power[1 : c.shape[1], None]
         return np.einsum("qk,nkx->nqx", s[:, None] ** np.arange(c.shape[1]), c)
 
-    @property
+    @cached_property
     def curved(self) -> NDArray[np.bool_]:
         """(n,) whether an edge deviates from its chord by more than rounding."""
         return np.abs(self.shape).max(axis=(1, 2)) > 0.0
@@ -202,18 +203,25 @@ def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], 
     # a jump of curvature (an arc that runs into a straight line) stands out from the change before
     # and after it; where the curvature merely varies fast, as on an ellipse, all changes are alike
     ahead, behind = neighbour(bend, 1), neighbour(bend, -1)
+    # the turn of a corner is no curvature, and what lies beyond it belongs to another line
+    at_corner = corner.astype(float)
+    far_ahead = np.where(neighbour(at_corner, 2) + neighbour(at_corner, 3) > 0, ahead, neighbour(bend, 3))
+    far_behind = np.where(
+        neighbour(at_corner, -2) + neighbour(at_corner, -3) > 0, behind, neighbour(bend, -3)
+    )
     change = np.abs(ahead - behind)
-    before_it = np.abs(behind - neighbour(bend, -3))
-    after_it = np.abs(neighbour(bend, 3) - ahead)
+    before_it = np.abs(behind - far_behind)
+    after_it = np.abs(far_ahead - ahead)
     scale = np.maximum(np.abs(ahead), np.abs(behind))
     stands_out = (change > 0.5 * scale) & (change > 8 * np.maximum(before_it, after_it))
     # a short arc between straight sides, a fillet of two or three edges: flat on one side is enough
     flat = np.minimum(
-        np.maximum(np.abs(behind), np.abs(neighbour(bend, -3))),
-        np.maximum(np.abs(ahead), np.abs(neighbour(bend, 3))),
+        np.maximum(np.abs(behind), np.abs(far_behind)),
+        np.maximum(np.abs(ahead), np.abs(far_ahead)),
     )
     stands_out |= flat < 0.02 * scale
-    jump = vertex & ~corner & stands_out & (scale * span > 1e-6)
+    beside_corner = neighbour(at_corner, 1) + neighbour(at_corner, -1) > 0
+    jump = vertex & ~corner & ~beside_corner & stands_out & (scale * span > 1e-6)
     if not closed:
         corner[[0, -1]] = jump[[0, -1]] = False
         near_end = np.minimum(np.arange(n), n - 1 - np.arange(n)) <= 3  # no neighbour to compare with
@@ -228,9 +236,16 @@ def _spline_derivatives(nodes: Floats, step: int, periodic: bool) -> Floats:
     -------
     (edge, end, derivative, 2) array in walking direction.
     """
+    chord, whole = np.diff(nodes, axis=0), nodes[-1] - nodes[0]
+    length = np.linalg.norm(chord, axis=1)
+    off = np.abs(whole[0] * (nodes[:, 1] - nodes[0, 1]) - whole[1] * (nodes[:, 0] - nodes[0, 0])).max()
+    if off < 0.01 * STRAIGHT * length.min() * length.sum() and (chord @ whole > 0).all():
+        out = np.zeros(((len(nodes) - 1) // step, 2, 2, 2))  # a straight run: what a spline would give
+        out[:, :, 0] = np.diff(nodes[::step], axis=0)[:, None]
+        return out
     from scipy.interpolate import make_interp_spline
 
-    parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
+    parameter = np.concatenate([[0.0], np.cumsum(length)])
     degree = min(5, len(nodes) - 1)
     if periodic and len(nodes) > 6:
         spline = make_interp_spline(parameter, nodes, k=5, bc_type="periodic")

@@ -28,6 +28,7 @@ from kshell.plate.curves import EdgeCurves, edge_curves
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+KEPT = 3  # batches whose maps are kept
 BLOCK = 1024  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
 GRADIENTS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the barycentric coordinates
 
@@ -98,20 +99,28 @@ class Domain:
         self.boundary: EdgeCurves = edge_curves(mesh, mesh.boundary_edges if curved else none)
         bent = self.boundary.edges[self.boundary.curved]
         self.curved_triangles: Ints = np.unique(mesh.edge_owner[bent, 0]).astype(np.int64)
-        none_yet = np.zeros(0, dtype=np.int64)
-        self._latest = (none_yet, AffineTriangles.of_arrays(self.points, mesh.triangles[none_yet]))
+        self._latest: list[tuple[Ints, AffineTriangles]] = []
         self.is_curved = np.zeros(len(mesh.triangles), dtype=bool)
         self.is_curved[self.curved_triangles] = True
 
     def affine(self, triangles: Ints) -> AffineTriangles:
-        """The straight triangles."""
-        if triangles is not self._latest[0]:  # forms and loads ask for the same batch in turn
-            self._latest = (triangles, AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles]))
-        return self._latest[1]
+        """The straight triangles; what was computed of the last few batches is kept."""
+        for known, affine in self._latest:
+            if known is triangles:  # forms, loads and recovery ask for the same batch in turn
+                return affine
+        affine = AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles])
+        self._latest = [(triangles, affine), *self._latest[: KEPT - 1]]
+        return affine
+
+    @cached_property
+    def _all_blocks(self) -> list[Ints]:
+        return list(self._split(np.arange(len(self.mesh.triangles))))
 
     def blocks(self, triangles: Ints | None = None) -> Iterator[Ints]:
-        """Triangle numbers in batches, straight ones and curved ones apart."""
-        all_of_them = np.arange(len(self.mesh.triangles)) if triangles is None else np.asarray(triangles)
+        """Triangle numbers in batches, straight ones and curved ones apart; those of all triangles never change."""
+        return iter(self._all_blocks) if triangles is None else self._split(np.asarray(triangles))
+
+    def _split(self, all_of_them: Ints) -> Iterator[Ints]:
         for chosen in (all_of_them[~self.is_curved[all_of_them]], all_of_them[self.is_curved[all_of_them]]):
             for start in range(0, len(chosen), BLOCK):
                 yield chosen[start : start + BLOCK]

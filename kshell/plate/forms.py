@@ -41,9 +41,13 @@ class Form(Protocol):
     def matrices(self, positions: Ints, transform: Floats) -> Floats:
         """(n, local, local) matrices in the unknowns that ``transform`` leads to."""
 
+    def products(self, positions: Ints, transform: Floats, motion: Floats) -> Floats:
+        """(n, local) these matrices times a motion, given as (n, reference dof, 1) on the reference triangle."""
+        return self.matrices(positions, np.concatenate([transform, motion], axis=2))[:, :-1, -1]
+
 
 @dataclass
-class Bending:
+class Bending(Form):
     """Bending energy, integral of kappa^T D kappa."""
 
     everywhere = True
@@ -54,7 +58,7 @@ class Bending:
 
     def __post_init__(self) -> None:
         constant = self.section.constant_per_triangle
-        self._constant = self.section.bending_per_triangle() if constant else None
+        self.constant = self.section.bending_per_triangle() if constant else None
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         for block in self.domain.blocks():
@@ -62,17 +66,25 @@ class Bending:
 
     def matrices(self, positions: Ints, transform: Floats) -> Floats:
         affine = self.domain.affine(positions)
-        if self._constant is not None and not self.domain.is_curved[positions[0]]:
-            return matrices.stiffness(self.element, affine, self._constant[positions], transform)
+        if self.constant is not None and not self.domain.is_curved[positions[0]]:
+            return matrices.stiffness(self.element, affine, self.constant[positions], transform)
         patch = next(self.domain.patches(self._degree(), positions))
         kappa = matrices.rows(self.element, affine, patch.xi, 2, transform)
         return matrices.integrate_products(
             kappa, self.stiffness(patch.triangles, patch.xy, patch.weights), kappa
         )
 
+    def products(self, positions: Ints, transform: Floats, motion: Floats) -> Floats:
+        if self.constant is None or self.domain.is_curved[positions[0]]:
+            return super().products(positions, transform, motion)
+        force = matrices.stiffness_product(
+            self.element, self.domain.affine(positions), self.constant[positions], motion[..., 0]
+        )
+        return (force[:, None] @ transform)[:, 0]
+
     def _degree(self) -> int:
         bending_degree = 2 * (self.element.maxdeg - 2)
-        return bending_degree if self._constant is not None else bending_degree + VARIABLE_DEGREE - 6
+        return bending_degree if self.constant is not None else bending_degree + VARIABLE_DEGREE - 6
 
     def stiffness(self, triangles: Ints, xy: Floats, weights: Floats) -> Floats:
         """D times the quadrature weights at points (n, point, 2): (n, point, 3, 3)."""
@@ -80,14 +92,14 @@ class Bending:
 
     def at(self, triangles: Ints, xy: Floats) -> Floats:
         """D at points (n, point, 2) of triangles (n,)."""
-        if self._constant is not None:
-            return np.broadcast_to(self._constant[triangles][:, None], (*xy.shape[:2], 3, 3))
+        if self.constant is not None:
+            return np.broadcast_to(self.constant[triangles][:, None], (*xy.shape[:2], 3, 3))
         z = np.broadcast_to(self.domain.mesh.points[0, 2], (*xy.shape[:2], 1))
         return self.section.bending(triangles, np.concatenate([xy, z], axis=2))
 
 
 @dataclass
-class AreaSpring:
+class AreaSpring(Form):
     """Winkler foundation: integral of k w^2 over some triangles."""
 
     everywhere = False
@@ -109,7 +121,7 @@ class AreaSpring:
 
 
 @dataclass
-class EdgeSpring:
+class EdgeSpring(Form):
     """Elastic edge: integral of k w^2, or of k w_n^2 for a rotational spring, along edges."""
 
     everywhere = False
@@ -138,7 +150,7 @@ class EdgeSpring:
 
 
 @dataclass
-class PointSpring:
+class PointSpring(Form):
     """Springs k (row . d)^2 at vertices, each with one row on the physical degrees of freedom of a triangle."""
 
     everywhere = False

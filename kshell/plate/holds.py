@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from kshell.elements import PlateElement, matrices
 from kshell.plate.domain import Domain
-from kshell.plate.forms import Bending
+from kshell.plate.forms import Bending, Form
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,7 +42,7 @@ ALONG_Y = np.array([[0, 1.0, 0, 0], [0, 0, 0, 1], [0, 0, 2, 0]])
 
 
 @dataclass
-class CurvedHold:
+class CurvedHold(Form):
     """The terms of one support on curved boundary edges, as a quadratic form.
 
     Attributes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from kshell.plate.domain import Domain
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+FEW = 64  # triangles that are all looked at
 INSIDE = -1e-9  # smallest barycentric coordinate of a point that counts as inside
 AT_CURVED_EDGE = -0.3  # how far outside the straight triangle its polynomial may be used at a curved edge
 
@@ -43,20 +45,25 @@ class Locator:
 
     def __init__(self, domain: Domain) -> None:
         self.domain = domain
-        self.centroids = domain.points[domain.mesh.triangles].mean(axis=1)
-        self.tree = cKDTree(self.centroids)
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self.domain.points[self.domain.mesh.triangles].mean(axis=1))
 
     def find(self, xy: Floats) -> Located:
         """Locate points (n, 2)."""
-        n_triangles = len(self.centroids)
+        n_triangles = len(self.domain.mesh.triangles)
         best = np.zeros(len(xy), dtype=np.int64)
         depth = np.full(len(xy), -np.inf)
         todo = np.arange(len(xy))
         for count in (8, 64):  # near triangles first; on graded meshes the right one may be far down the list
             if not len(todo):
                 break
-            _, near = self.tree.query(xy[todo], k=min(count, n_triangles))
-            self._improve(xy, todo, near.reshape(len(todo), -1), best, depth)
+            if n_triangles <= FEW:
+                near = np.broadcast_to(np.arange(n_triangles), (len(todo), n_triangles))
+            else:
+                near = self._tree.query(xy[todo], k=min(count, n_triangles))[1].reshape(len(todo), -1)
+            self._improve(xy, todo, near, best, depth)
             todo = todo[depth[todo] < INSIDE]
         outside = []
         for k in todo:  # outside the mesh, or in a very uneven one: look at every triangle

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.clock import Clock, Stage, peak_memory_mb
+from kshell.deferred import Deferred
 from kshell.errors import SolveError
 from kshell.mesh.check import plate_problems
 from kshell.mesh.mesh import Mesh
 from kshell.modelling import choose_model
 from kshell.options import SolveOptions
+from kshell.plate.domain import Domain
 from kshell.plate.problem import PlateProblem, choose_element
 from kshell.plate.product import strain_product
 from kshell.plate.reactions import ReactionFinder
@@ -20,7 +22,9 @@ from kshell.plate.recovery import Fields
 from kshell.probing import probe_values
 from kshell.result import Result, no_error_estimate
 from kshell.scene import Scene
+from kshell.section import Section
 from kshell.solve import Solution, solve_system
+from kshell.solve.dense import solve_dense
 from kshell.tensors import principal, von_mises
 
 Floats = NDArray[np.float64]
@@ -29,7 +33,12 @@ UNBALANCED = 1e-6
 
 
 def solve_plate(
-    scene: Scene, mesh: Mesh, options: SolveOptions, progress: Stage | None = None, read_seconds: float = 0.0
+    scene: Scene,
+    mesh: Mesh,
+    options: SolveOptions,
+    progress: Stage | None = None,
+    read_seconds: float = 0.0,
+    why: tuple[str, ...] | None = None,
 ) -> Result:
     """Deflection of a Kirchhoff plate under static loads.
 
@@ -43,6 +52,8 @@ def solve_plate(
         Called with the name of each stage: assemble, solve, recover.
     read_seconds : float
         Time already spent on reading.
+    why : tuple of str, optional
+        The reasons for a plate, where they are known.
 
     Raises
     ------
@@ -56,7 +67,7 @@ def solve_plate(
         plate_problems(mesh)
         choice = choose_element(options, mesh)
         problem = PlateProblem(scene, mesh, choice.element)
-        system = problem.assembled
+        system = problem.system
     with clock.stage("solve"):
         solution = _solve(problem, system.fixed_load + system.load, options)
         d = problem.reduction.expand(np.asarray(solution.x, dtype=np.float64))
@@ -67,7 +78,7 @@ def solve_plate(
     with clock.stage("recover"):
         result = _recover(scene, problem, d, solution)
     reasons = [
-        *choose_model(scene, mesh, options).reasons,
+        *(choose_model(scene, mesh, options).reasons if why is None else why),
         choice.reason,
         "linear: only small deflections are computed",
         *(f"mesh: {note}" for note in mesh.notes),
@@ -93,6 +104,10 @@ def _solve(problem: PlateProblem, rhs: Floats, options: SolveOptions) -> Solutio
     if problem.reduction.count == 0:
         none = np.zeros(0)
         return Solution(none, "none", "the supports hold every degree of freedom", 0, (0.0,), 0.0, 0.0)
+    if problem.small and options.solver != "multigrid":
+        found = solve_dense(problem.system.matrix, rhs)
+        if found is not None:
+            return found
     # rounding of the matrix costs quintics digits on fine meshes: residuals through strains keep them
     fine = problem.element.maxdeg > 2 and problem.reduction.count > ROUNDED_FROM
     product = strain_product(problem) if fine else None
@@ -106,6 +121,7 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
         problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending
     )
     reactions = finder.find(d, problem.loads.forms, fields)
+    section, domain = problem.section, problem.domain
     warnings = [*problem.warnings(), *solution.warnings]
     if reactions.balance > UNBALANCED:
         warnings.append(
@@ -119,7 +135,7 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
     return Result(
         mesh=mesh,
         fields=vertex_fields(fields),
-        cell_fields=_cell_fields(problem, fields),
+        cell_fields=_cell_fields(section, domain, fields),
         unknowns=problem.reduction.count,
         model={},
         title=scene.title,
@@ -136,26 +152,31 @@ def _recover(scene: Scene, problem: PlateProblem, d: Floats, solution: Solution)
     )
 
 
-def vertex_fields(fields: Fields) -> dict[str, Floats]:
+def vertex_fields(fields: Fields) -> Deferred[Floats]:
     """All fields at vertices, with stresses and principal values derived from the moments."""
-    out = dict(fields.vertex_values)
-    mesh = fields.domain.mesh
-    first = np.zeros(len(mesh.points), dtype=np.int64)
-    first[mesh.triangles.ravel()] = np.repeat(np.arange(len(mesh.triangles)), 3)
-    top, bottom = fields.stresses(out["moment"], first, fields.domain.points)
-    out["stress_top"], out["stress_bottom"] = top, bottom
-    out["von_mises_top"], out["von_mises_bottom"] = von_mises(top), von_mises(bottom)
-    out["principal_moments"] = principal(out["moment"])
-    return out
+    return Deferred(
+        {
+            "displacement": lambda: fields.vertex_displacement,
+            "rotation": lambda: fields.vertex_rotation,
+            "moment": lambda: fields.vertex_forces[0],
+            "shear": lambda: fields.vertex_forces[1],
+            "stress_top": lambda: fields.vertex_stresses[0],
+            "stress_bottom": lambda: fields.vertex_stresses[1],
+            "von_mises_top": lambda: von_mises(fields.vertex_stresses[0]),
+            "von_mises_bottom": lambda: von_mises(fields.vertex_stresses[1]),
+            "principal_moments": lambda: principal(fields.vertex_forces[0]),
+        }
+    )
 
 
-def _cell_fields(problem: PlateProblem, fields: Fields) -> dict[str, NDArray[Any]]:
-    triangles = np.arange(len(problem.mesh.triangles))
-    centroids = problem.mesh.points[problem.mesh.triangles].mean(axis=1)[:, None]
-    return {
-        "thickness": problem.section.thickness(triangles, centroids)[:, 0],
-        "moment": fields.centroid_moments,
-    }
+def _cell_fields(section: Section, domain: Domain, fields: Fields) -> Deferred[NDArray[Any]]:
+    mesh = domain.mesh
+
+    def thickness() -> Floats:
+        centroids = mesh.points[mesh.triangles].mean(axis=1)[:, None]
+        return section.thickness(np.arange(len(mesh.triangles)), centroids)[:, 0]
+
+    return Deferred({"thickness": thickness, "moment": lambda: fields.centroid_moments})
 
 
 def _probes(scene: Scene, mesh: Mesh, fields: Fields) -> tuple[dict[str, dict[str, Any]], list[str]]:

@@ -8,6 +8,8 @@ and no list of all element entries is ever sorted or stored.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from numpy.typing import NDArray
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.plate.reduction import Reduction
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Ints32 = NDArray[np.int32]
 
@@ -167,6 +170,34 @@ class Pattern:
         if fixed.any():
             out[fixed[:, :, None] | fixed[:, None, :]] = self.entries
         return out
+
+    def matrix(self, data: Floats) -> Any:
+        """The CSR matrix with these entries."""
+        shape = (self.reduction.count, self.reduction.count)
+        matrix = sp.csr_matrix((data, self.indices, self.indptr), shape=shape)
+        matrix.has_sorted_indices = True
+        return matrix
+
+
+class FullPattern:
+    """The same for a small matrix with all its entries, zero or not."""
+
+    def __init__(self, reduction: Reduction) -> None:
+        self.count = reduction.count
+        self.entries = reduction.count**2
+
+    def positions(self, triangles: Ints, unknown: Ints32) -> NDArray[np.intp]:
+        """As `Pattern.positions`."""
+        at = unknown.astype(np.intp)
+        out = at[:, :, None] * self.count + at[:, None, :]
+        fixed = at < 0
+        if fixed.any():
+            out[fixed[:, :, None] | fixed[:, None, :]] = self.entries
+        return out
+
+    def matrix(self, data: Floats) -> Any:
+        """The dense array with these entries."""
+        return data.reshape(self.count, self.count)
 
 
 def ranges(starts: Ints, counts: Ints) -> Ints:

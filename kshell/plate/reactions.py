@@ -7,15 +7,18 @@ vertex that several supports hold is shared equally between them.
 
 from __future__ import annotations
 
+from collections.abc import MutableMapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.deferred import Deferred
 from kshell.plate.assembly import residual
+from kshell.plate.corner_forces import CornerForces
 from kshell.plate.domain import Domain
-from kshell.plate.forms import Form
+from kshell.plate.forms import Bending, Form
 from kshell.plate.layout import Layout
 from kshell.plate.loading import LinearForm
 from kshell.plate.recovery import Fields
@@ -39,7 +42,7 @@ class Reactions:
         What loads and reactions leave over, relative to the largest of them.
     """
 
-    groups: dict[str, dict[str, Any]]
+    groups: dict[str, MutableMapping[str, Any]]
     balance: float
 
 
@@ -47,10 +50,11 @@ class ReactionFinder:
     """Collects reactions group by group."""
 
     def __init__(
-        self, domain: Domain, layout: Layout, reduction: Reduction, supports: Supports, bending: Form
+        self, domain: Domain, layout: Layout, reduction: Reduction, supports: Supports, bending: Bending
     ) -> None:
         self.domain, self.layout, self.reduction, self.supports = domain, layout, reduction, supports
-        self.forms = [bending, *[form for _, form in [*supports.springs, *supports.holds]]]
+        self.bending = bending
+        self.forms: list[Form] = [bending, *[form for _, form in [*supports.springs, *supports.holds]]]
         mesh = domain.mesh
         self.centre = 0.5 * (domain.points.min(axis=0) + domain.points.max(axis=0))
         self.size = float(np.abs(domain.points - self.centre).max())
@@ -76,11 +80,8 @@ class ReactionFinder:
         for load in self.supports.hold_loads:
             label = next(name for name, form in self.supports.holds if form is load.hold)
             totals[label] = totals[label] + self._rigid_work(load)
-        corners = self._corner_forces(fields)
-        groups = {
-            label: self._document(total, [c for c in corners if label in c["groups"]])
-            for label, total in totals.items()
-        }
+        corners = CornerForces(self.domain, self.reduction, self.supports, self.bending, loads, fields)
+        groups = {label: self._document(label, total, corners) for label, total in totals.items()}
         return Reactions(groups, self._balance(totals, loads))
 
     def _shares(self) -> Floats:
@@ -115,6 +116,8 @@ class ReactionFinder:
 
     def _at_edges(self, r: Floats, slopes: Floats, edges: Ints) -> Floats:
         """Moments of held slopes; an edge in several groups is shared."""
+        if not len(edges):
+            return np.zeros(3)
         count = sum(np.isin(edges, other.edges).astype(float) for other in self.supports.held)
         weight = 1.0 / np.maximum(count, 1.0)
         ends = self.domain.points[self.domain.mesh.edges[edges]]
@@ -166,14 +169,25 @@ class ReactionFinder:
         out[:, 3 * b :, 2] = -affine.normals[..., 0]
         return out
 
-    def _document(self, total: Floats, corners: list[dict[str, Any]]) -> dict[str, Any]:
+    def _document(self, label: str, total: Floats, corners: CornerForces) -> MutableMapping[str, Any]:
         force, mx, my = total
         # from the centre to the origin of the coordinates: M + r x F
         moment = np.array([mx + self.centre[1] * force, my - self.centre[0] * force, 0.0])
         out: dict[str, Any] = {"force": np.array([0.0, 0.0, force]), "moment": moment}
-        if corners:
-            out["corners"] = [{"at": c["at"], "force": c["force"]} for c in corners]
-        return out
+        mine = [k for k, corner in enumerate(corners.corners) if label in corner.groups]
+        if not mine:
+            return out
+        points = self.domain.mesh.points
+
+        def concentrated() -> list[dict[str, Floats]]:
+            return [
+                {"at": points[corners.corners[k].vertex], "force": np.array([0.0, 0.0, corners.forces[k]])}
+                for k in mine
+            ]
+
+        return Deferred(
+            {"force": lambda: out["force"], "moment": lambda: out["moment"], "corners": concentrated}
+        )
 
     def _balance(self, totals: dict[str, Floats], loads: list[LinearForm]) -> float:
         """Error of equilibrium of forces, and of moments about the centre, relative to what acts."""
@@ -184,51 +198,3 @@ class ReactionFinder:
             return 0.0
         largest = max(float(np.abs(parts).max()), *(load.gross(self.size) for load in loads), 1e-300)
         return float(np.abs(np.sum(parts, axis=0)).max() / largest)
-
-    def _corner_forces(self, fields: Fields) -> list[dict[str, Any]]:
-        """Concentrated reactions at corners where an edge that holds w ends: the jump of M_nt.
-
-        The other edge of the corner may hold w, too, or be free: a plate on two opposite sides has them.
-        """
-        if not fields.polynomial_moments:
-            return []
-        mesh, boundary = self.domain.mesh, self.domain.boundary
-        edge_groups: dict[int, list[str]] = {}
-        for group in self.supports.held:
-            for e in group.line.tolist():
-                edge_groups.setdefault(e, []).append(group.label)
-        supported = np.array([e for e in edge_groups if mesh.edge_counts[e] == 1], dtype=np.int64)
-        held = np.isin(mesh.edges[boundary.edges], mesh.edges[supported])  # (boundary edge, end)
-        around: dict[int, list[tuple[int, int]]] = {}
-        for k, end in np.argwhere(held).tolist():
-            e = int(boundary.edges[k])
-            around.setdefault(int(mesh.edges[e, end]), []).append((e, end))
-        out = []
-        for v, pair in around.items():
-            if len(pair) != 2:
-                continue
-            tangent = [boundary.tangent[boundary.place(np.array([e]))[0], end] for e, end in pair]
-            if abs(tangent[0][0] * tangent[1][1] - tangent[0][1] * tangent[1][0]) < 1e-6:
-                continue  # no corner
-            twist = []
-            for (e, _), t in zip(pair, tangent, strict=True):
-                value, along = self._twist(fields, e, v, t)
-                twist.append(value if along == "out" else -value)
-            labels = sorted({name for e, _ in pair for name in edge_groups.get(e, [])})
-            out.append({"at": mesh.points[v], "force": np.array([0.0, 0.0, sum(twist)]), "groups": labels})
-        return out
-
-    def _twist(self, fields: Fields, edge: int, vertex: int, tangent: Floats) -> tuple[float, str]:
-        """M_nt at one end of a boundary edge walked with the plate on the left; does it leave the vertex?"""
-        mesh = self.domain.mesh
-        triangle, local = mesh.edge_owner[edge]
-        corners = mesh.triangles[triangle]
-        a = (0, 1, 2)[local]  # where the edge starts, walked counter-clockwise
-        leaves = corners[a] == vertex
-        t = tangent if mesh.edges[edge, 0] == corners[a] else -tangent
-        n = np.array([t[1], -t[0]])
-        affine = self.domain.affine(np.array([triangle]))
-        xy = self.domain.points[vertex][None, None]
-        xx, yy, xy_part = fields.moment(np.array([triangle]), affine.reference_coordinates(xy), xy)[0, 0]
-        value = n[0] * t[0] * xx + n[1] * t[1] * yy + (n[0] * t[1] + n[1] * t[0]) * xy_part
-        return float(value), "out" if leaves else "in"

@@ -50,15 +50,27 @@ class Fields:
 
     def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
         """Derivatives of one order at reference points, (n, point, partial); order 2 is w_xx, w_yy, 2 w_xy."""
+        table = self.element.basis.tabulate(xi, order)  # (..., point, partial, reference dof)
         parts = []
         for start in range(0, len(triangles), BLOCK):
-            block = triangles[start : start + BLOCK]
-            affine = self.domain.affine(block)
-            m = self.element.transformation(affine)
-            vector = m @ self.d[self.layout.triangle_dofs(block)][:, :, None]
-            points = xi if xi.ndim == 2 else xi[start : start + BLOCK]
-            parts.append(matrices.rows(self.element, affine, points, order, vector)[..., 0])
-        return np.concatenate(parts)
+            block = triangles if len(triangles) <= BLOCK else triangles[start : start + BLOCK]
+            local = self._reference_dofs[block]
+            if xi.ndim == 2:
+                found = (local @ table.reshape(-1, local.shape[1]).T).reshape(len(block), *table.shape[:2])
+            else:
+                found = (table[start : start + BLOCK] @ local[:, None, :, None])[..., 0]
+            to_xy = matrices.derivative_map(self.domain.affine(block), order)
+            parts.append(found if to_xy is None else found @ np.swapaxes(to_xy, 1, 2))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    @cached_property
+    def _reference_dofs(self) -> Floats:
+        """(triangle, reference dof) the solution on the reference triangle."""
+        out = np.empty((len(self.domain.mesh.triangles), self.element.count))
+        for block in self.domain.blocks():
+            m = self.element.transformation(self.domain.affine(block))
+            out[block] = (m @ self.d[self.layout.triangle_dofs(block)][:, :, None])[..., 0]
+        return out
 
     def curvature(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
         """Elastic curvature kappa - kappa_0 (n, point, 3) at points of triangles."""
@@ -95,28 +107,43 @@ class Fields:
         return (moment(xy + step) - moment(xy - step)) / (2 * STEP * size)
 
     @cached_property
-    def vertex_values(self) -> dict[str, Floats]:
-        """Fields at the vertices: displacement (v, 3), rotation (v, 3), moment (v, 3), shear (v, 2)."""
+    def _triangles(self) -> Ints:
+        return np.arange(len(self.domain.mesh.triangles))
+
+    @cached_property
+    def vertex_displacement(self) -> Floats:
+        """(vertex, 3), along z."""
+        out = np.zeros((self.layout.vertex_count, 3))
+        out[:, 2] = self.d[: self.layout.per_vertex * len(out) : self.layout.per_vertex]
+        return out
+
+    @cached_property
+    def vertex_rotation(self) -> Floats:
+        """(vertex, 3) rotation vector, (w_y, -w_x, 0)."""
+        b, out = self.layout.per_vertex, np.zeros((self.layout.vertex_count, 3))
+        if b > 1:
+            gradient = self.d[: b * len(out)].reshape(-1, b)[:, 1:3]
+        else:
+            gradient = self._average(self.derivatives(self._triangles, VERTICES, 1))
+        out[:, 0], out[:, 1] = gradient[:, 1], -gradient[:, 0]
+        return out
+
+    @cached_property
+    def vertex_forces(self) -> tuple[Floats, Floats]:
+        """Moments (vertex, 3) and shear forces (vertex, 2)."""
+        if not self.polynomial_moments:
+            return self._fitted_moments
+        xy = self.domain.points[self.domain.mesh.triangles]
+        moment = self._average(self.moment(self._triangles, VERTICES, xy))
+        return moment, self._average(self.shear(self._triangles, VERTICES, xy))
+
+    @cached_property
+    def vertex_stresses(self) -> tuple[Floats, Floats]:
+        """Stresses (vertex, 3) at the top and the bottom."""
         mesh = self.domain.mesh
-        triangles = np.arange(len(mesh.triangles))
-        w = self.d[self.layout.vertex_dofs(np.arange(len(mesh.points)))[:, 0]]
-        if self.layout.per_vertex > 1:
-            gradient = self.d[self.layout.vertex_dofs(np.arange(len(mesh.points)))[:, 1:3]]
-        else:
-            gradient = self._average(self.derivatives(triangles, VERTICES, 1))
-        xy = self.domain.points[mesh.triangles]
-        if self.polynomial_moments:
-            moment = self._average(self.moment(triangles, VERTICES, xy))
-            shear = self._average(self.shear(triangles, VERTICES, xy))
-        else:
-            moment, shear = self._fitted_moments
-        zero = np.zeros_like(w)
-        return {
-            "displacement": np.stack([zero, zero, w], axis=1),
-            "rotation": np.stack([gradient[:, 1], -gradient[:, 0], zero], axis=1),
-            "moment": moment,
-            "shear": shear,
-        }
+        first = np.zeros(len(mesh.points), dtype=np.int64)
+        first[mesh.triangles.ravel()] = np.repeat(self._triangles, 3)
+        return self.stresses(self.vertex_forces[0], first, self.domain.points)
 
     def _average(self, values: Floats) -> Floats:
         """Mean over the triangles around each vertex, by area, of values (triangle, corner, component)."""
@@ -134,7 +161,7 @@ class Fields:
         mesh = self.domain.mesh
         xi = np.array([[1 / 3, 1 / 3]])
         xy = self.domain.points[mesh.triangles].mean(axis=1)[:, None]
-        return self.moment(np.arange(len(mesh.triangles)), xi, xy)[:, 0]
+        return self.moment(self._triangles, xi, xy)[:, 0]
 
     @cached_property
     def _fitted_moments(self) -> tuple[Floats, Floats]:

@@ -31,17 +31,19 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
     gram = np.zeros((piece_count, 3, 3))
     centres, sizes = _extent(mesh, piece, piece_count)
 
-    def add(vertex_rows: Floats, member: Ints) -> None:
-        np.add.at(gram, member, vertex_rows[:, :, None] * vertex_rows[:, None, :])
+    def add(rows: Floats, member: Ints) -> None:
+        if piece_count == 1:
+            gram[0] += rows.T @ rows
+        else:
+            np.add.at(gram, member, rows[:, :, None] * rows[:, None, :])
 
     piece_of_vertex = np.zeros(len(mesh.points), dtype=np.int64)
     piece_of_vertex[mesh.triangles.ravel()] = np.repeat(piece, 3)
-    for vertices, rows in zip(conditions.vertices, conditions.rows, strict=True):
+    if conditions.vertices:
+        vertices = np.concatenate(conditions.vertices)
         member = piece_of_vertex[vertices]
-        add(
-            (rows[:, None] @ _rigid_at_vertices(layout, vertices, centres[member], sizes[member]))[:, 0],
-            member,
-        )
+        motion = _rigid_at_vertices(layout, vertices, centres[member], sizes[member])
+        add((np.concatenate(conditions.rows)[:, None] @ motion)[:, 0], member)
     edge_piece = piece[mesh.edge_owner[:, 0]]
     for edges in conditions.edges:
         member = edge_piece[edges]
@@ -73,11 +75,14 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
 
 
 def pieces(mesh: Mesh) -> tuple[int, Ints]:
-    """Number of pieces joined along edges, and the piece of each triangle."""
+    """Number of pieces joined along edges, and the piece of each triangle; no edge has more than two triangles."""
     n = len(mesh.triangles)
-    row = np.repeat(np.arange(n), 3)
-    member = sp.csr_matrix((np.ones(3 * n, dtype=np.int8), (row, mesh.triangle_edges.ravel())))
-    count, label = connected_components(member @ member.T, directed=False)
+    last = np.empty(len(mesh.edges), dtype=np.int32)
+    last[mesh.triangle_edges] = np.arange(n, dtype=np.int32)[:, None]
+    # across each edge the other triangle, or the same one at the boundary: links go both ways
+    neighbour = (mesh.edge_owner[:, 0] + last)[mesh.triangle_edges] - np.arange(n, dtype=np.int32)[:, None]
+    link = sp.csr_matrix((np.ones(3 * n), neighbour.ravel(), np.arange(0, 3 * n + 1, 3)), shape=(n, n))
+    count, label = connected_components(link, connection="strong")
     return int(count), label.astype(np.int64)
 
 

@@ -146,6 +146,11 @@ class ChartKoiter(StrainEnergy):
         result[: 6 * vertices : 6] = 1.0 / vertices
         return result.ravel()
 
+    @property
+    def centres(self) -> Floats:
+        """(triangle, 2) in the parameter plane."""
+        return self.surface.affine.corners.mean(axis=1)
+
     @cached_property
     def sparsity(self) -> Sparsity:
         """Pattern of all matrices of this surface."""

@@ -62,9 +62,11 @@ class ArgyrisDiscretisation:
         """Empty conditions on the motion."""
         return ArgyrisConditions(self.surface)
 
-    def recovery(self, energy: ChartKoiter, x: Floats) -> ChartRecovery:
+    def recovery(
+        self, energy: ChartKoiter, x: Floats, finite: bool = False, memory: object = None
+    ) -> ChartRecovery:
         """Values of a solution inside triangles."""
-        return ChartRecovery(energy, x)
+        return ChartRecovery(energy, x, finite)
 
     def interior_points(self, triangles: Ints) -> tuple[Floats, Floats]:
         """Quadrature points (n, q, 3) of triangles in space and weights (n, q) with the area element."""
@@ -93,8 +95,11 @@ class ArgyrisDiscretisation:
         x, x_a, x_ab = self.surface.chart.derivatives(u, v, order=2)
         return x, x_a, x_ab
 
-    def rigid_motions(self, centre: Floats, size: float) -> Floats:
-        """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre."""
+    def rigid_motions(self, centre: Floats, size: float, moved: Floats | None = None) -> Floats:
+        """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre.
+
+        Turns are those of the shell at rest, or of the shell moved by (unknowns,) `moved`.
+        """
         mesh = self.surface.mesh
         x, x_a, x_ab = self._vertices()
         jets = np.concatenate([(x - centre)[:, None], x_a, x_ab[:, [0, 0, 1], [0, 1, 1]]], axis=1) / size
@@ -105,6 +110,9 @@ class ArgyrisDiscretisation:
         across = np.einsum("ea,eax->ex", normal, slopes) / size
         result = np.zeros((self.unknowns, 6))
         at_vertices = 18 * len(mesh.points)
+        if moved is not None:
+            jets = jets + moved[:at_vertices].reshape(jets.shape) / size
+            across = across + moved[at_vertices:].reshape(across.shape) / size
         for axis in range(3):
             result[axis:at_vertices:18, axis] = 1.0
             e = np.eye(3)[axis]

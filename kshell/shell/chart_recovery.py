@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from kshell.shell.argyris import ChartKoiter
 from kshell.shell.chart_surface import ChartSurface, jets_of_basis
 from kshell.shell.frames import components, covariant_to_frame, tangent_frame
-from kshell.shell.recovery import Resultants, chart_resultants
+from kshell.shell.recovery import Resultants, chart_resultants, finite_rotation
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
@@ -30,10 +30,12 @@ class ChartRecovery:
     ----------
     energy : ChartKoiter
     x : (unknowns,)
+    finite : bool
+        Whether strains and rotations are finite, not those to first order.
     """
 
-    def __init__(self, energy: ChartKoiter, x: Floats) -> None:
-        self.energy, self.surface, self.x = energy, energy.surface, x
+    def __init__(self, energy: ChartKoiter, x: Floats, finite: bool = False) -> None:
+        self.energy, self.surface, self.x, self.finite = energy, energy.surface, x, finite
 
     def _jets(self, points: Floats, triangles: Ints) -> Floats:
         """Value and derivatives by the reference coordinates of the displacement: (3, 3, triangle, point)."""
@@ -42,12 +44,14 @@ class ChartRecovery:
 
     def resultants(self, points: Floats, triangles: Ints) -> Resultants:
         """N, M and strains at reference points (point, 2) of triangles."""
-        return chart_resultants(self.energy, self.x, points, triangles)
+        return chart_resultants(self.energy, self.x, points, triangles, self.finite)
 
     def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
         """Displacement and rotation vector n x dn + 1/2 n (n . curl u), each (triangle, point, 3)."""
         _, first, _ = self.surface.geometry(points, triangles)
         u = self._jets(points, triangles)
+        if self.finite:
+            return np.moveaxis(u[0], 0, 2), finite_rotation(first, first + u[1:])
         n, reciprocal = _geometry(first)
         change = -(dot(n, u[1]) * reciprocal[0] + dot(n, u[2]) * reciprocal[1])
         drill = 0.5 * dot(n, cross(reciprocal[0], u[1]) + cross(reciprocal[1], u[2]))
@@ -55,7 +59,7 @@ class ChartRecovery:
 
     def energies(self) -> tuple[Floats, Floats]:
         """Membrane and bending energy of each triangle, 1/2 N . E and 1/2 M . kappa."""
-        strain = self.energy.linear_strain(self.x)
+        strain = self.energy.strain(self.x) if self.finite else self.energy.linear_strain(self.x)
         work = (0.5 * strain * self.energy.stress(strain)).reshape(len(strain), -1, 6)
         return work[..., :3].sum(axis=(1, 2)), work[..., 3:].sum(axis=(1, 2))
 

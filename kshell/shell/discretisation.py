@@ -79,9 +79,9 @@ class KoiterDiscretisation:
         ref = self.surface.reference
         return surface_points(self.surface, triangles), self.surface.area_elements[triangles] * ref.weights
 
-    def recovery(self, energy: Koiter, x: Floats) -> KoiterRecovery:
+    def recovery(self, energy: Koiter, x: Floats, finite: bool = False, memory: Any = None) -> KoiterRecovery:
         """Values of a solution inside triangles."""
-        return KoiterRecovery(energy, x)
+        return KoiterRecovery(energy, x, finite, memory)
 
     @property
     def true_shape(self) -> bool:
@@ -98,16 +98,20 @@ class KoiterDiscretisation:
             largest_curvature(self.surface) if self.order > 1 else np.zeros(len(self.surface.mesh.triangles))
         )
 
-    def rigid_motions(self, centre: Floats, size: float) -> Floats:
-        """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre."""
+    def rigid_motions(self, centre: Floats, size: float, moved: Floats | None = None) -> Floats:
+        """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre.
+
+        Turns are those of the shell at rest, or of the shell moved by (unknowns,) `moved`.
+        """
         surface = self.surface
         result = np.zeros((self.unknowns, 6))
-        arm = (surface.nodes - centre) / size
+        u = np.zeros_like(surface.nodes) if moved is None else surface.split(moved)[0]
+        arm = (surface.nodes + u - centre) / size
         for axis in range(3):
             result[axis : surface.rotation_start : 3, axis] = 1.0
             turn = np.cross(np.eye(3)[axis], arm)
             result[: surface.rotation_start, 3 + axis] = turn.ravel()
-        result[surface.rotation_start :, 3:] = rotation_axes(surface) / size
+        result[surface.rotation_start :, 3:] = rotation_axes(surface, u) / size
         return result
 
     def extent(self) -> tuple[Floats, float]:
@@ -220,11 +224,15 @@ class KoiterRecovery:
     ----------
     koiter : Koiter
     x : (unknowns,)
+    finite : bool
+        Whether strains and rotations are finite, not those to first order.
+    memory : Directors, optional
+        Of a finite state.
     """
 
-    def __init__(self, koiter: Koiter, x: Floats) -> None:
-        self.koiter, self.x = koiter, x
-        self.strain = koiter.linear_strain(x)
+    def __init__(self, koiter: Koiter, x: Floats, finite: bool = False, memory: Any = None) -> None:
+        self.koiter, self.x, self.finite = koiter, x, finite
+        self.strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
 
     def resultants(self, points: Floats, triangles: Ints) -> Resultants:
         """N, M and strains at reference points (point, 2) of triangles."""
@@ -232,7 +240,7 @@ class KoiterRecovery:
 
     def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
         """Displacement and rotation vector, each (triangle, point, 3)."""
-        return displacement(self.koiter.surface, self.x, points, triangles)
+        return displacement(self.koiter.surface, self.x, points, triangles, self.finite)
 
     def energies(self) -> tuple[Floats, Floats]:
         """Membrane and bending energy of each triangle."""

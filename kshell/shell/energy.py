@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,8 +20,16 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.shell.sparsity import Sparsity
+from kshell.solve.dissection import dissected
 
 Floats = NDArray[np.float64]
+
+
+class Linear(NamedTuple):
+    """Strains of a state and their first derivative."""
+
+    strain: Floats  # (triangle, r), less the initial ones
+    gradients: list[Floats]  # s' of each block: (triangle, r, n)
 
 
 class Energy(NamedTuple):
@@ -29,6 +38,7 @@ class Energy(NamedTuple):
     value: float
     gradient: Any = None  # (unknowns,), None if not asked for
     hessian: Any = None  # sparse, None if not asked for
+    linear: Any = None  # Linear, comes with the gradient
 
 
 class StrainEnergy(ABC):
@@ -77,6 +87,21 @@ class StrainEnergy(ABC):
     def sparsity(self) -> Sparsity:
         """Pattern of all matrices; found once."""
 
+    @property
+    @abstractmethod
+    def centres(self) -> Floats:
+        """(triangle, d) centres of the triangles."""
+
+    @cached_property
+    def elimination(self) -> NDArray[np.int64]:
+        """(unknowns,) place of each unknown in an order of elimination with little fill; within a group as numbered."""
+        sparsity = self.sparsity
+        place = dissected(self.centres, sparsity.groups, len(sparsity.sizes))
+        order = np.argsort(np.repeat(place, sparsity.sizes), kind="stable")
+        result = np.empty(self.unknowns, dtype=np.int64)
+        result[order] = np.arange(self.unknowns)
+        return result
+
     def strain(self, x: Floats, memory: Any = None) -> Floats:
         """(triangle, r) strains s of a state, less the initial ones."""
         memory = self.rest if memory is None else memory
@@ -104,7 +129,8 @@ class StrainEnergy(ABC):
         memory = self.rest if memory is None else memory
         value = 0.0
         forces = np.zeros(self.triangle_unknowns.shape)
-        data = self.sparsity.empty() if derivatives > 1 else None
+        room = self.sparsity.empty() if derivatives > 1 else None
+        linear = Linear(np.empty_like(self.initial), [])
         for triangles in self.blocks:
             state = self._state(x, memory, triangles)
             strain = state.strain - self.initial[triangles]
@@ -114,33 +140,40 @@ class StrainEnergy(ABC):
                 continue
             gradient = self._gradient(state, triangles)
             forces[triangles] = np.matmul(mine[:, None, :], gradient)[:, 0]
-            if data is not None:
+            if room is not None:
                 matrices = self._product(gradient, triangles)
                 curved = self._geometric(state, mine if stress is None else stress[triangles], triangles)
                 matrices[:, : curved.shape[1], : curved.shape[1]] += curved
-                self.sparsity.add(data, triangles, matrices)
+                self.sparsity.put(room, triangles, matrices)
+            linear.strain[triangles] = strain
+            linear.gradients.append(gradient)
         if derivatives == 0:
             return Energy(value)
-        return Energy(value, self._gather(forces), None if data is None else self.sparsity.matrix(data))
+        hessian = None if room is None else self.sparsity.matrix(room)
+        return Energy(value, self._gather(forces), hessian, linear)
 
-    def extrapolated_stress(self, x: Floats, step: Floats, memory: Any = None) -> Floats:
+    def extrapolated_stress(self, linear: Linear, step: Floats) -> Floats:
         """K (s + s' step): the stress after a step if the strains were linear. (triangle, r)."""
-        memory = self.rest if memory is None else memory
-        result = np.empty_like(self.initial)
-        for triangles in self.blocks:
-            state = self._state(x, memory, triangles)
+        result = np.empty_like(linear.strain)
+        for triangles, gradient in zip(self.blocks, linear.gradients, strict=True):
             change = step[self.triangle_unknowns[triangles]]
-            strain = state.strain - self.initial[triangles]
-            strain += np.matmul(self._gradient(state, triangles), change[:, :, None])[:, :, 0]
+            strain = linear.strain[triangles] + np.matmul(gradient, change[:, :, None])[:, :, 0]
             result[triangles] = self._apply(triangles, strain[:, :, None])[:, :, 0]
         return result
 
+    def forces(self, linear: Linear, stress: Floats) -> Floats:
+        """s'^T stress: (unknowns,) forces in equilibrium with a stress (triangle, r)."""
+        forces = np.empty(self.triangle_unknowns.shape)
+        for triangles, gradient in zip(self.blocks, linear.gradients, strict=True):
+            forces[triangles] = np.matmul(stress[triangles, None, :], gradient)[:, 0]
+        return self._gather(forces)
+
     def linear_stiffness(self) -> sp.csr_matrix:
         """Second derivative of the energy at rest, without initial strains."""
-        data = self.sparsity.empty()
+        room = self.sparsity.empty()
         for triangles, gradient in self._rest_gradients():
-            self.sparsity.add(data, triangles, self._product(gradient, triangles))
-        return self.sparsity.matrix(data)
+            self.sparsity.put(room, triangles, self._product(gradient, triangles))
+        return self.sparsity.matrix(room)
 
     def linear_strain(self, x: Floats) -> Floats:
         """(triangle, r) strains to first order, less the initial ones."""
@@ -164,14 +197,14 @@ class StrainEnergy(ABC):
     def geometric_stiffness(self, stress: Floats) -> sp.csr_matrix:
         """sum_r stress_r s_r'' at rest (for buckling)."""
         x = np.zeros(self.unknowns)
-        data = self.sparsity.empty()
+        room = self.sparsity.empty()
         count = self.triangle_unknowns.shape[1]
         for triangles in self.blocks:
             curved = self._geometric(self._state(x, self.rest, triangles), stress[triangles], triangles)
             matrices = np.zeros((len(curved), count, count))
             matrices[:, : curved.shape[1], : curved.shape[1]] = curved
-            self.sparsity.add(data, triangles, matrices)
-        return self.sparsity.matrix(data)
+            self.sparsity.put(room, triangles, matrices)
+        return self.sparsity.matrix(room)
 
     def _rest_gradients(self) -> Iterator[tuple[slice, Floats]]:
         x = np.zeros(self.unknowns)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,14 +13,19 @@ from numpy.typing import NDArray
 
 from kshell.shell.edges import Directors, turn_directors
 from kshell.shell.energy import Energy, StrainEnergy
-from kshell.shell.factor import Factor, factorise
+from kshell.shell.factor import Factoriser
 from kshell.shell.koiter import Koiter
+from kshell.shell.sparsity import Added
 from kshell.shell.supports import Reduction
+from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
+# part of the largest entry of the tangent of a load that may differ from the entry across the diagonal
+SYMMETRIC = 1e-10
+
 # x -> force (unknowns,) and its derivative (unknowns, unknowns), at the full load
-Follower = Callable[[Floats], tuple[Floats, sp.spmatrix]]
+Follower = Callable[[Floats], tuple[Floats, sp.csr_matrix]]
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,8 @@ class Problem:
         Stiffness of elastic supports.
     constant : (unknowns,), optional
         Dead load that does not grow.
+    initial : (triangle, r), optional
+        Strains without stress at the factor 1.
     """
 
     energy: StrainEnergy
@@ -47,30 +55,59 @@ class Problem:
     follower: Follower | None = None
     springs: sp.spmatrix | None = None
     constant: Floats | None = None
+    initial: Floats | None = None
 
     def evaluate(
         self, x: Floats, factor: float, derivatives: int, memory: Any, stress: Floats | None = None
     ) -> tuple[Energy, Floats, Floats]:
         """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor)."""
-        energy = self.energy.energy(x, derivatives, memory, stress)
         growth = self.load
+        if self.initial is not None:
+            self.energy.initial = factor * self.initial
+        energy = self.energy.energy(x, derivatives, memory, stress)
         tangent = energy.hessian
         if self.follower is not None:
             force, stiffness = self.follower(x)
             growth = growth + force
             if tangent is not None:
-                tangent = tangent - factor * stiffness
-        residual = factor * growth - energy.gradient
+                tangent = self._load_added.to(tangent, stiffness, -factor)
+        residual = factor * growth - energy.gradient  # which holds the forces of initial strains already
+        if self.initial is not None and energy.linear is not None:
+            growth = growth + self.energy.forces(energy.linear, self.energy.stress(self.initial))
         if self.constant is not None:
             residual = residual + self.constant
         if self.springs is not None:
             residual = residual - self.springs @ x
-            tangent = None if tangent is None else tangent + self.springs
-        return Energy(energy.value, energy.gradient, tangent), residual, growth
+            tangent = None if tangent is None else self._springs_added.to(tangent, self.springs.tocsr())
+        return energy._replace(hessian=tangent), residual, growth
 
-    def factorise(self, tangent: sp.spmatrix) -> Factor:
-        """The tangent in the free unknowns, factorised."""
-        return factorise(self.reduction.reduce(tangent), symmetric=self.follower is None)
+    @cached_property
+    def _load_added(self) -> Added:
+        return Added()
+
+    @cached_property
+    def _springs_added(self) -> Added:
+        return Added()
+
+    @cached_property
+    def _factoriser(self) -> Factoriser:
+        return Factoriser(self.reduction, self.energy.elimination, symmetric=self._symmetric())
+
+    def _symmetric(self) -> bool:
+        """Whether the tangent is symmetric in the free motions: follower loads may not be, at free edges.
+
+        That does not depend on the state, so one at random tells.
+        """
+        if self.follower is None:
+            return True
+        basis = self.reduction.basis
+        motion = np.random.default_rng(0).standard_normal(basis.shape[1])
+        part = self.reduction.reduce(self.follower(basis @ motion)[1])
+        return bool(abs(part - part.T).max() <= SYMMETRIC * abs(part).max())
+
+    def factorise(self, tangent: sp.csr_matrix, definite: bool = True) -> Factor:
+        """The tangent in the free unknowns, factorised; serves until the next one. See `Factoriser.factorise`."""
+        return self._factoriser.factorise(tangent, definite)
 
     def start(self) -> State:
         """The rest state."""

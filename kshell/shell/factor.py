@@ -2,59 +2,92 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
+from numpy.typing import NDArray
 
 from kshell.errors import SolveError
-from kshell.solve.backends import Singular, installed_backends
+from kshell.shell.reduced import ReducedPattern
+from kshell.shell.supports import Reduction
+from kshell.solve.backends import CHOLMOD, PARDISO, Singular
+from kshell.solve.repeated import Cholmod, Factor, Pardiso, SuperLU
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
 
 
-@dataclass
-class Factor:
-    """A factorised symmetric matrix.
+class Factoriser:
+    """Factorises the matrices of one structure, T^T K T with the basis T of its free motions.
 
-    Attributes
-    ----------
-    solve : callable
-    negative : int
-        Negative pivots.
-    """
-
-    solve: Callable[[Any], Any]
-    negative: int = field(default=0)
-
-
-def factorise(matrix: sp.spmatrix, symmetric: bool = True) -> Factor:
-    """Cholesky where the matrix is positive definite, else LU with pivots on the diagonal, whose signs count.
+    Cholesky by CHOLMOD where it is installed and the matrix is positive definite. Otherwise pivots of both signs,
+    by PARDISO or else by SuperLU in the order of nested dissection. Pattern and order are kept from one matrix to
+    the next.
 
     Parameters
     ----------
+    reduction : Reduction
+    place : (unknowns,) int array
+        Place of each unknown in a good order of elimination, for SuperLU.
     symmetric : bool
         False for a tangent with follower loads, which is symmetric only up to terms on free edges.
-
-    Raises
-    ------
-    SolveError
-        If the matrix is singular or holds numbers that are not finite.
     """
-    if not np.all(np.isfinite(matrix.data)):
-        raise SolveError("the stiffness is not finite: the step led too far away")
-    cholesky = next((backend for backend in installed_backends() if backend.key != "superlu"), None)
-    if symmetric and cholesky is not None:  # SuperLU would factorise an indefinite matrix without a word
+
+    def __init__(self, reduction: Reduction, place: Ints, symmetric: bool = True) -> None:
+        self._basis, self._symmetric = reduction.basis, symmetric
+        first = self._basis.indices[self._basis.indptr[:-1]]
+        self._place = np.empty(len(first), dtype=np.int32)
+        self._place[np.argsort(place[first], kind="stable")] = np.arange(len(first), dtype=np.int32)
+        self._patterns: dict[bool, ReducedPattern] = {}
+        self._solvers: dict[type, Any] = {}
+
+    def factorise(self, matrix: sp.csr_matrix, definite: bool = True) -> Factor:
+        """The matrix in the free unknowns, factorised. The factor serves until the next call.
+
+        Parameters
+        ----------
+        matrix : (unknowns, unknowns) sparse CSR
+        definite : bool
+            False where it is likely not positive definite, which saves the attempt at Cholesky factors.
+
+        Raises
+        ------
+        SolveError
+            If the matrix is singular or holds numbers that are not finite.
+        """
+        if not np.all(np.isfinite(matrix.data)):
+            raise SolveError("the stiffness is not finite: the step led too far away")
+        if not self._basis.shape[1]:
+            return Factor(np.zeros_like, lambda: 0)
         try:
-            solve: Callable[[Any], Any] = cholesky.factorise(matrix.tocsr())[0]
-            return Factor(solve)
-        except Singular:
-            pass  # not positive definite: the pivots below say how far
-    try:
-        lu = splu(
-            matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-    except RuntimeError as error:
-        raise SolveError("the tangent stiffness is singular") from error
-    return Factor(lu.solve, int(np.sum(lu.U.diagonal() < 0)))
+            if self._symmetric and CHOLMOD.installed and definite:
+                try:
+                    return self._with(Cholmod, matrix)
+                except Singular:
+                    pass  # not positive definite: the pivots below say how far
+            return self._with(Pardiso if self._symmetric and PARDISO.installed else SuperLU, matrix)
+        except Singular as error:
+            raise SolveError("the tangent stiffness is singular") from error
+
+    def _with(self, kind: type, matrix: sp.csr_matrix) -> Factor:
+        lower = kind is not SuperLU
+        pattern = self._patterns.get(lower)
+        if pattern is None or not pattern.fits(matrix):
+            pattern = ReducedPattern(matrix, self._basis, None if lower else self._place, lower)
+            self._patterns[lower] = pattern
+            self._solvers = {k: s for k, s in self._solvers.items() if (k is SuperLU) == lower}
+        if kind not in self._solvers:
+            self._solvers[kind] = kind(pattern.indptr, pattern.indices)
+        solver = self._solvers[kind]
+        factor: Factor = solver.factorise(pattern.entries(matrix))
+        if lower:
+            return factor
+        place = self._place
+
+        def solve(rhs: Floats) -> Floats:
+            moved = np.empty_like(rhs)
+            moved[place] = rhs
+            return np.asarray(factor.solve(moved))[place]
+
+        return Factor(solve, factor.count_negative)

@@ -202,6 +202,11 @@ class Koiter(StrainEnergy):
         result[: self.surface.rotation_start] = 1.0 / self.surface.node_count
         return result
 
+    @property
+    def centres(self) -> Floats:
+        """(triangle, 3)."""
+        return self.surface.nodes[self.surface.triangle_nodes[:, :3]].mean(axis=1)
+
     @cached_property
     def sparsity(self) -> Sparsity:
         """Pattern of all matrices of this surface."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.energy import StrainEnergy
-from kshell.shell.factor import factorise
+from kshell.shell.factor import Factoriser
 from kshell.shell.koiter import Koiter
 from kshell.shell.supports import Reduction
 
@@ -74,7 +74,7 @@ def solve_linear(
         stiffness = stiffness + springs
     basis = reduction.basis
     # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
-    solve = factorise(reduction.reduce(stiffness)).solve
+    solve = Factoriser(reduction, koiter.elimination).factorise(stiffness).solve
 
     _require_stiff(koiter, stiffness, springs, basis, solve)
     x = reduction.given.copy()

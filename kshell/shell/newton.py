@@ -36,7 +36,7 @@ def correct(problem: Problem, state: State, factor: float) -> State:
     x, stress = state.x, None
     shift = (factor - state.factor) * given
     moved = bool(np.any(shift))
-    first = 0.0
+    first, definite = 0.0, state.negative == 0
     for iteration in range(1, MOST_ITERATIONS + 1):
         energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
         if not np.isfinite(energy.value):
@@ -44,13 +44,14 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         if iteration == 1 and moved:
             residual = residual - energy.hessian @ shift
         reduced = basis.T @ residual
-        tangent = problem.factorise(energy.hessian)
+        tangent = problem.factorise(energy.hessian, definite)
+        definite = tangent.definite
         step = tangent.solve(reduced)
         work = abs(float(reduced @ step))
         change = basis @ step
         if iteration == 1 and moved:
             change = change + shift
-        stress = problem.energy.extrapolated_stress(x, change, state.memory)
+        stress = problem.energy.extrapolated_stress(energy.linear, change)
         x = x + change
         scale = abs(energy.value) + abs(factor * float(growth @ x))
         if iteration > 1 and work <= FINISHED * scale:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
-from kshell.shell.factor import Factor
+from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
@@ -62,6 +62,25 @@ class Step:
     moved: Floats
 
 
+@dataclass(frozen=True)
+class Arc:
+    """What the next step along a path takes over from the last one.
+
+    Attributes
+    ----------
+    length : float
+        Of the next step.
+    first : float
+        Of the first step, which bounds the later ones.
+    moved : (free unknown,), optional
+        Motion of the last step, which tells forward from back.
+    """
+
+    length: float
+    first: float
+    moved: Floats | None = None
+
+
 class PathFollower:
     """Steps along the path of a problem.
 
@@ -98,6 +117,34 @@ class PathFollower:
 
         return self._step(state, predict, correct)
 
+    def go_on(
+        self, state: State, arc: Arc, along: Floats | None = None
+    ) -> tuple[State, Arc, Critical | None]:
+        """The next state, shorter steps tried where needed; and the critical point passed on the way, if any.
+
+        Raises
+        ------
+        SolveError
+            If steps become too short.
+        """
+        length = arc.length
+        while True:
+            try:
+                step = self.arc(state, length, arc.moved, along)
+                break
+            except SolveError as error:
+                length *= 0.5
+                if length < SHORTEST * arc.first:
+                    raise SolveError(
+                        f"the path cannot be followed beyond the load factor {state.factor:.6g}: {error}"
+                    ) from error
+        critical = None
+        if step.state.negative != state.negative and along is None:
+            critical = self.critical(state, length, arc.moved)
+        grow = float(np.clip(np.sqrt(GOOD / step.state.iterations), 0.5, 2.0))
+        length = float(np.clip(length * grow, SHORTEST * arc.first, LONGEST * arc.first))
+        return step.state, Arc(length, arc.first, step.moved), critical
+
     def displacement(self, state: State, unknown: int, change: float) -> Step:
         """A step in which one unknown changes by a given amount."""
         row = self.problem.reduction.basis[unknown].toarray()[0]
@@ -122,9 +169,11 @@ class PathFollower:
         x, factor, stress = state.x, state.factor, None
         first: Floats | None = None
         moved = np.zeros(basis.shape[1])
+        definite = state.negative == 0
         for iteration in range(1, MOST_ITERATIONS + 1):
             energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
-            tangent = problem.factorise(energy.hessian)
+            tangent = problem.factorise(energy.hessian, definite)
+            definite = tangent.definite
             reduced = basis.T @ residual
             if np.any(given):
                 growth = growth - energy.hessian @ given
@@ -137,7 +186,7 @@ class PathFollower:
                 more = correct(first, a, b)
                 change = b + more * a
             full = basis @ change + more * given
-            stress = problem.energy.extrapolated_stress(x, full, state.memory)
+            stress = problem.energy.extrapolated_stress(energy.linear, full)
             x, factor, moved = x + full, factor + more, moved + change
             scale = abs(energy.value) + abs(factor * float(growth @ x))
             if not np.all(np.isfinite(change)) or not np.isfinite(energy.value):
@@ -151,20 +200,20 @@ class PathFollower:
             f"no equilibrium found on the path near the load factor {state.factor:.6g}", state=state
         )
 
-    def critical(self, before: Step, length: float, along: Floats | None) -> Critical:
+    def critical(self, before: State, length: float, along: Floats | None) -> Critical:
         """The critical point within a step of a length from `before`, by bisection."""
-        low, direction = before.state, along
+        low, direction = before, along
         for _ in range(BISECTIONS):
             length *= 0.5
             try:
                 step = self.arc(low, length, direction)
             except SolveError:
                 continue
-            if step.state.negative == before.state.negative:
+            if step.state.negative == before.negative:
                 low, direction = step.state, step.moved
         energy, _, growth = self.problem.evaluate(low.x, low.factor, 2, low.memory, None)
         basis = self.problem.reduction.basis
-        tangent = self.problem.factorise(energy.hessian)
+        tangent = self.problem.factorise(energy.hessian, low.negative == 0)
         mode = softest(tangent, basis.shape[1])
         load = basis.T @ growth
         # at a limit point the load works on the mode, at a bifurcation it does not
@@ -229,28 +278,18 @@ def follow(
         If steps become too short; `state` is the `Path` so far.
     """
     follower = PathFollower(problem)
-    state = problem.start() if start is None else start
-    path = Path([state], [])
-    step_length, before = length, None
-    last = Step(state, np.zeros(problem.reduction.basis.shape[1]))
+    path = Path([problem.start() if start is None else start], [])
+    arc = Arc(length, length)
     first = None if along is None else problem.reduction.basis.T @ along
-    while len(path.states) <= most_steps and not (len(path.states) > 1 and stop(last.state)):
+    while len(path.states) <= most_steps and not (len(path.states) > 1 and stop(path.states[-1])):
         try:
-            step = follower.arc(last.state, step_length, before, first)
+            state, arc, critical = follower.go_on(path.states[-1], arc, first)
         except SolveError as error:
-            step_length *= 0.5
-            if step_length < SHORTEST * length:
-                raise SolveError(
-                    f"the path cannot be followed beyond the load factor {last.state.factor:.6g}: {error}",
-                    state=path,
-                ) from error
-            continue
-        if step.state.negative != last.state.negative and first is None:
-            path.critical.append(follower.critical(last, step_length, before))
-        path.states.append(step.state)
+            raise SolveError(str(error), state=path) from error
+        first = None
+        path.states.append(state)
+        if critical is not None:
+            path.critical.append(critical)
         if record is not None:
-            record(step.state)
-        before, last, first = step.moved, step, None
-        grow = float(np.clip(np.sqrt(GOOD / step.state.iterations), 0.5, 2.0))
-        step_length = float(np.clip(step_length * grow, SHORTEST * length, LONGEST * length))
+            record(state)
     return path

@@ -19,6 +19,7 @@ from kshell.on_chart import lifted, mesh_in_space
 from kshell.scene import Scene
 from kshell.section import Section, shell_section
 from kshell.shell.discretisation import USE_KOITER, KoiterDiscretisation
+from kshell.shell.equilibrium import Follower, Problem, State
 from kshell.shell.held import require_held
 from kshell.shell.scene_loads import SceneLoads, apply_loads
 from kshell.shell.scene_supports import SceneSupports, apply_supports, hinge_edges
@@ -89,9 +90,37 @@ class ShellProblem:
             a, d + 2 * z * b + z * z * a, b + z * a, direction=self.scene.direction
         )
 
+    def equilibrium(self) -> Problem:
+        """The same for large deflections, all loads and prescribed motions growing with one factor."""
+        loads = self.loads
+        dead = [force for k, force in enumerate(loads.forces) if k not in loads.followers]
+        follower: Follower | None = None
+        if loads.followers:
+
+            def follower(x: Floats) -> tuple[Floats, Any]:
+                parts = [follow(x) for follow in loads.followers.values()]
+                return np.sum([force for force, _ in parts], axis=0), sum(stiffness for _, stiffness in parts)
+
+        return Problem(
+            self.energy,
+            self.reduction,
+            np.sum([np.zeros(self.discretisation.unknowns), *dead], axis=0),
+            follower,
+            self.springs,
+            initial=loads.initial,
+        )
+
+    def forces_at(self, state: State) -> list[Floats]:
+        """(unknowns,) force of each load in a state."""
+        loads = self.loads
+        return [
+            state.factor * (loads.followers[k](state.x)[0] if k in loads.followers else force)
+            for k, force in enumerate(loads.forces)
+        ]
+
     def reasons(self) -> list[str]:
         """Why this model, in words."""
-        out = [*self.choice.reasons, "linear: only small deflections are computed"]
+        out = [*self.choice.reasons]
         if not self.section.constant_per_triangle:
             out.append("thickness: the mean stiffness of each triangle is used")
         return out

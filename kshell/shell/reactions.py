@@ -8,14 +8,23 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.shell.chart_surface import ChartSurface
 from kshell.shell.edges import first_triangle
 from kshell.shell.surface import Surface
+from kshell.shell.vectors import norm
 
 Floats = NDArray[np.float64]
 
 
-def rotation_axes(surface: Surface) -> Floats:
-    """(rotation, 3) unit tangents of the edges, from the lower to the higher vertex, at their Gauss points."""
+def rotation_axes(surface: Surface, u: Floats | None = None) -> Floats:
+    """(rotation, 3) unit tangents of the edges, from the lower to the higher vertex, at their Gauss points.
+
+    At rest, or displaced by (node, 3) `u`.
+    """
     sign = np.repeat(surface.edge_sign, surface.order, axis=1)
-    tangent = surface.edge_tangents * sign / surface.edge_stretch
+    tangent = surface.edge_tangents
+    if u is not None:
+        jets = surface.jets(u, surface.reference.edge_first)
+        along = surface.reference.edge_tangents.T
+        tangent = tangent + along[0] * jets[0] + along[1] * jets[1]
+    tangent = tangent * sign / norm(tangent)
     return np.ascontiguousarray(tangent.reshape(3, -1)[:, first_triangle(surface)].T)
 
 

@@ -15,6 +15,7 @@ from kshell.shell.argyris import ChartKoiter
 from kshell.shell.chart_surface import jets_of_basis
 from kshell.shell.constitutive import section_at
 from kshell.shell.frames import components, contravariant_to_frame, covariant_to_frame, tangent_frame
+from kshell.shell.kinematics import curvature_change
 from kshell.shell.koiter import Koiter
 from kshell.shell.reference import first_derivatives, lagrange
 from kshell.shell.section import Section
@@ -106,9 +107,9 @@ def resultants(
 
 
 def chart_resultants(
-    koiter: ChartKoiter, x: Floats, points: ArrayLike, triangles: NDArray | None = None
+    koiter: ChartKoiter, x: Floats, points: ArrayLike, triangles: NDArray | None = None, finite: bool = False
 ) -> Resultants:
-    """N, M and strains of a state x of the Argyris discretisation, to first order in x.
+    """N, M and strains of a state x of the Argyris discretisation, to first order in x or of finite strains.
 
     Parameters
     ----------
@@ -129,6 +130,10 @@ def chart_resultants(
     n_change = (m_change - n * dot(n, m_change)) / norm(big_m)
     membrane = [dot(first[0], u[0]), dot(first[1], u[1]), 0.5 * (dot(first[0], u[1]) + dot(first[1], u[0]))]
     bending = [-(dot(n, u[2 + v]) + dot(n_change, second[v])) for v in range(3)]
+    if finite:
+        squares = (dot(u[0], u[0]), dot(u[1], u[1]), dot(u[0], u[1]))
+        membrane = [e + 0.5 * square for e, square in zip(membrane, squares, strict=True)]
+        bending = list(-curvature_change(first, second, u[:2], u[2:]).change)
     nearest = np.argmin(((points[:, None] - surface.points) ** 2).sum(axis=2), axis=1)
     initial = koiter.initial[chosen].reshape(len(chosen), -1, 6)[:, nearest]
     covariant = np.stack(membrane + bending) - np.moveaxis(initial, 2, 0)
@@ -161,22 +166,47 @@ def _in_frame(
     )
 
 
-def displacement(surface: Surface, x: Floats, points: ArrayLike, triangles: NDArray) -> tuple[Floats, Floats]:
-    """Displacement and small rotation vector at reference points: both (triangle, point, 3).
+def displacement(
+    surface: Surface, x: Floats, points: ArrayLike, triangles: NDArray, finite: bool = False
+) -> tuple[Floats, Floats]:
+    """Displacement and rotation vector at reference points: both (triangle, point, 3).
 
-    The rotation has the tangential part n x dn and half the curl of u about n.
+    The small rotation has the tangential part n x dn and half the curl of u about n; the finite one is that of
+    `finite_rotation`.
     """
     points = np.asarray(points, dtype=float).reshape(-1, 2)
     u, _ = surface.split(x)
     value = np.einsum("pn,tnx->tpx", lagrange(surface.order, points), u[surface.triangle_nodes[triangles]])
     tables = first_derivatives(surface.order, points)
     big, small = surface.tangents(tables, triangles), surface.jets(u, tables, triangles)
+    if finite:
+        return value, finite_rotation(big, big + small)
     normal = cross(big[0], big[1])
     j = norm(normal)
     n = normal / j
     rotation = (big[0] * dot(n, small[1]) - big[1] * dot(n, small[0])) / j
     rotation += n * (0.5 * (dot(small[0], big[1]) - dot(small[1], big[0])) / j)
     return value, np.moveaxis(rotation, 0, 2)
+
+
+def finite_rotation(before: Floats, after: Floats) -> Floats:
+    """Rotation vectors (triangle, point, 3) of the polar decomposition that takes tangents and normal to the new ones.
+
+    Parameters
+    ----------
+    before, after : (2, 3, triangle, point)
+        Tangents at rest and in the state.
+    """
+    from scipy.spatial.transform import Rotation
+
+    frames = []
+    for x in (before, after):
+        normal = cross(x[0], x[1])
+        frames.append(np.moveaxis(np.stack([x[0], x[1], normal / norm(normal)]), (0, 1), (3, 2)))
+    gradient = frames[1] @ np.linalg.inv(frames[0])
+    left, _, right = np.linalg.svd(gradient)
+    vectors = Rotation.from_matrix((left @ right).reshape(-1, 3, 3)).as_rotvec()
+    return np.asarray(vectors).reshape(gradient.shape[:3])
 
 
 def energies(koiter: Koiter, strain: Floats) -> tuple[Floats, Floats]:

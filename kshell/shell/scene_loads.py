@@ -16,6 +16,7 @@ from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
 from kshell.section import Section
 from kshell.shell.discretisation import USE_KOITER
+from kshell.shell.equilibrium import Follower
 from kshell.shell.initial import curvature_strain, temperature_strain
 
 Floats = NDArray[np.float64]
@@ -29,13 +30,16 @@ class SceneLoads:
     Attributes
     ----------
     forces : list of (unknowns,) arrays
-        One per load.
+        One per load; of a load that follows the surface that at rest.
+    followers : dict of int to callable
+        By the number in `forces`: the force on a moved surface, and its derivative.
     initial : (triangle, r) array or None
         Strains without stress.
     warnings : list of str
     """
 
     forces: list[Floats] = field(default_factory=list)
+    followers: dict[int, Follower] = field(default_factory=dict)
     initial: Floats | None = None
     warnings: list[str] = field(default_factory=list)
 
@@ -95,12 +99,13 @@ class _Builder:
         return np.arange(len(self.mesh.triangles)) if load.on is None else self._select(load, 2).members
 
     def _pressure(self, load: Any) -> None:
-        if load.follower:
-            raise InputError(
-                f"{load}: follower = true turns the pressure with the surface, which matters only under large "
-                "deflections; leave it out for small ones"
-            )
         triangles = self._triangles(load)
+        if load.follower:
+            self._require_koiter(load)
+            number, surface = len(self.out.forces), self.surface
+            self.out.followers[number] = lambda x: self.kernel.follower_pressure(
+                surface, x, load.at, triangles
+            )
         self._warn_of_opposed_normals(load, triangles)
         self.out.forces.append(self.kernel.pressure(self.surface, load.at, triangles))
 

@@ -24,9 +24,18 @@ ORTHONORMAL = 1e-9
 
 
 def find_reactions(
-    discretisation: Any, supports: SceneSupports, solution: LinearSolution, loads: list[Floats]
+    discretisation: Any,
+    supports: SceneSupports,
+    solution: LinearSolution,
+    loads: list[Floats],
+    moved: Floats | None = None,
 ) -> tuple[dict[str, dict[str, Floats]], float]:
     """Reactions per group, and the relative error of equilibrium.
+
+    Parameters
+    ----------
+    moved : (unknowns,), optional
+        Motion to the state in which forces have their arms; the shell at rest if absent.
 
     Returns
     -------
@@ -34,9 +43,9 @@ def find_reactions(
     balance : float
         What loads and reactions leave over, relative to the largest of them.
     """
-    about_origin = discretisation.rigid_motions(np.zeros(3), 1.0)
+    about_origin = discretisation.rigid_motions(np.zeros(3), 1.0, moved)
     centre, size = discretisation.extent()
-    scaled = discretisation.rigid_motions(centre, size)
+    scaled = discretisation.rigid_motions(centre, size, moved)
     parts = _shared(supports, solution.forces)
     parts += [
         (group.label, -(group.spring @ solution.x)) for group in supports.groups if group.spring is not None
@@ -80,5 +89,8 @@ def _projector(reduction: Reduction) -> sp.csr_matrix:
         out.data[np.abs(out.data) < ORTHONORMAL] = 0.0
         out.eliminate_zeros()
         return out.tocsr()
-    single = (np.diff(basis.indptr) == 1) & (np.asarray(abs(basis).sum(axis=1)).ravel() == 1.0)
-    return sp.diags((~single).astype(float)).tocsr()
+    # free unknowns are themselves, and nothing else follows them
+    alone = np.diff(basis.tocsc().indptr) == 1
+    free = np.diff(basis.indptr) == 1
+    free[free] = (basis[free].data == 1.0) & alone[basis[free].indices]
+    return sp.diags((~free).astype(float)).tocsr()

@@ -56,7 +56,8 @@ def _faceted(mesh: Mesh) -> list[str]:
     return [
         "the mesh has flat triangles (order 1) on a curved surface: neighbours meet at up to "
         f"{np.degrees(found.angle):.2g} degrees, e.g. at {place(found.at)}, and these facets limit the accuracy; mesh "
-        "with order 2 (mesh_order = 2, in the .geo file Mesh.ElementOrder = 2) or give the chart"
+        "with order 2 (mesh_order = 2, in the .geo file Mesh.ElementOrder = 2), name the geometry it was made from "
+        '(geometry = "shell.geo") or give the chart'
     ]
 
 

@@ -1,11 +1,15 @@
+import copy
 import json
 import os
+import pickle
 
 import meshio
 import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.deferred import Deferred
+from kshell.plate.recovery import Fields
 from kshell.saving import write_together
 from tests.scene.fabricated import fabricated_result, fields_at, square_mesh
 
@@ -165,3 +169,48 @@ def test_places_that_cannot_be_written(tmp_path):
     with pytest.raises(ks.InputError, match=r"result.vtu: is a folder"):
         fabricated_result().save(tmp_path)
     assert not (tmp_path / "result.json").exists()
+
+
+def test_deferred_values_are_made_once_and_copied_as_a_dict():
+    calls = []
+
+    def make(value):
+        calls.append(value)
+        return value
+
+    deferred = Deferred({"a": lambda: make(1.0), "b": lambda: make(2.0)})
+    assert list(deferred) == ["a", "b"]
+    assert "b" in deferred
+    assert len(deferred) == 2
+    assert not calls
+    assert deferred["a"] == deferred["a"] == 1.0
+    assert calls == [1.0]
+    assert dict(deferred) == {"a": 1.0, "b": 2.0}
+    assert calls == [1.0, 2.0]
+    deferred["c"] = 3.0
+    del deferred["a"]
+    for other in (copy.deepcopy(deferred), pickle.loads(pickle.dumps(deferred))):
+        assert type(other) is dict
+        assert other == {"b": 2.0, "c": 3.0}
+    assert repr(deferred) == "{'b': 2.0, 'c': 3.0}"
+    with pytest.raises(KeyError):
+        deferred["a"]
+
+
+def test_fields_of_a_plate_are_recovered_when_they_are_looked_at(monkeypatch):
+    asked = []
+    recover = Fields.stresses
+    monkeypatch.setattr(Fields, "stresses", lambda *of: asked.append(1) or recover(*of))
+    scene = ks.Scene(
+        mesh=square_mesh(4),
+        thickness=0.1,
+        material=ks.Isotropic(E=1.0, nu=0.3),
+        supports=[ks.Clamped("left")],
+        loads=[ks.Pressure(1.0)],
+    )
+    result = ks.solve(scene, element="argyris")
+    assert not asked
+    worst = result.extremes["von_mises"]
+    top, bottom = result.fields["von_mises_top"], result.fields["von_mises_bottom"]
+    assert worst["value"] == np.maximum(top, bottom).max()
+    assert len(asked) == 1

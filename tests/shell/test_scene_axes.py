@@ -33,7 +33,7 @@ def test_rollers_across_inclined_edges_let_the_panel_stretch_evenly():
         ks.Fixed("right", "z"),
     ]
     pull = [ks.LineForce("right", tuple(np.array(AXES[0])))]
-    result = ks.solve(scene(supports, pull), model="shell")
+    result = ks.solve(scene(supports, pull), model="shell", large_deflection=False)
     own = result.fields["displacement"] @ np.array(AXES).T
     x = result.mesh.points @ np.array(AXES).T
     strain = 1.0 / (200.0 * 0.1)

@@ -13,6 +13,7 @@ from kshell.errors import InputError, SolveError
 from verification.cases import all_cases, find
 from verification.cases.rates import RATES
 from verification.suite import verify
+from verification.suite.command import not_run
 from verification.suite.machine import machine
 from verification.suite.run import run_blocks
 
@@ -38,7 +39,10 @@ def with_allowance(case, factor):
 
 def test_quick_solves_every_case_once_with_each_element():
     for case in all_cases():
-        assert sorted(run.element for run in case.quick_runs) == ["argyris", "morley"]
+        methods = [run.method for run in case.quick_runs]
+        assert len(set(methods)) == len(methods)
+        expected = {run.method for run in case.runs}
+        assert set(methods) == (expected if case.quick is None else expected & set(case.quick))
         assert set(case.quick_runs) <= set(case.runs)
 
 
@@ -49,9 +53,11 @@ def test_quick_run_prints_a_table_and_succeeds(few, capsys):
     assert head.split() == [
         "case", "mesh", "unknowns", "quantity", "value", "reference", "error", "allowed", "seconds", "verdict",
     ]  # fmt: skip
-    assert sum(line.startswith(FEW) and line.endswith("passed") for line in lines) == 23
-    assert "2 cases, 23 values" in lines[-1]
+    assert sum(line.startswith(FEW) and line.endswith("passed") for line in lines) == 38
+    assert "2 cases, 38 values" in lines[-1]
     assert "all within what is allowed; worst ratio" in lines[-1]
+    assert any(line.startswith("not run: ") for line in lines)
+    assert any("natural frequencies" in line and "B.ssss.freq" in line for line in lines)
 
 
 def test_full_run_writes_page_table_and_charts(few, tmp_path, capsys):
@@ -72,7 +78,15 @@ def test_full_run_writes_page_table_and_charts(few, tmp_path, capsys):
     assert page.count("data:image/png;base64,") == 4
     assert page.count("<tr><td>") > len(table)
     assert "Timoshenko" in page
+    assert "B.ssss.freq" in page
     assert "written: " in capsys.readouterr().out
+
+
+def test_what_takes_long_is_said_to_be_left_to_the_full_suite():
+    words = not_run(quick=True)
+    assert words[0].startswith("left to the full suite")
+    assert "large.roof.isotropic" in words[0]
+    assert not any("left to" in line for line in not_run(quick=False))
 
 
 def test_a_case_that_loses_digits_fails(few, monkeypatch, capsys):

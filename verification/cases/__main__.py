@@ -18,7 +18,7 @@ from verification.cases.catalogue import all_cases
 LEAST = 1e-10  # differences of rounding between machines
 SUM_LEAST = 1e-9  # of sums of reactions, which rounding makes uncertain
 HEADER = (
-    f"{'case':34}{'element':18}{'unknowns':>8}  {'quantity':13}{'value':>20}{'reference':>20}"
+    f"{'case':38}{'element':18}{'unknowns':>8}  {'quantity':13}{'value':>20}{'reference':>20}"
     f"{'error':>10}{'allowed':>10}"
 )
 
@@ -29,7 +29,7 @@ def line(one: Outcome) -> str:
     if one.unknowns > one.most_unknowns > 0:
         mark += f", {one.most_unknowns} unknowns were enough"
     return (
-        f"{one.case:34}{one.run:18}{one.unknowns:8d}  {one.quantity:13}{one.value:20.12g}{one.reference:20.12g}"
+        f"{one.case:38}{one.run:18}{one.unknowns:8d}  {one.quantity:13}{one.value:20.12g}{one.reference:20.12g}"
         f"{one.error:10.1e}{one.allowed:10.1e}{mark}"
     )
 

@@ -21,6 +21,8 @@ import kshell as ks
 from verification.cases.quantities import Quantity
 
 HERE = Path(__file__).parent
+TRUE_SURFACE = 0
+ON_MESH = {TRUE_SURFACE: "-chart", 1: "", 2: "-order2"}
 
 
 @dataclass(frozen=True)
@@ -29,21 +31,45 @@ class Run:
 
     Attributes
     ----------
-    element : "argyris" or "morley"
+    element : "argyris", "morley" or "koiter"
     refinement : int
         Passed to the case's mesh.
-    order : 1 or 2
-        Of the mesh.
+    order : 1, 2 or TRUE_SURFACE
+        Of the mesh; the true surface has its mesh in the parameter plane of a chart.
+    degree : 1, 2 or 3
+        Of the Koiter element; 0 for elements of one degree only.
     """
 
     element: str
     refinement: int
     order: int = 1
+    degree: int = 0
+
+    @classmethod
+    def of(cls, method: str, refinement: int, order: int = 1) -> Run:
+        """From the name of a method, such as koiter3."""
+        element = method.rstrip("123")
+        return cls(element, refinement, order, int(method[len(element) :] or 0))
+
+    @property
+    def method(self) -> str:
+        """The element with its degree: argyris, morley, koiter1, koiter2, koiter3."""
+        return self.element + (str(self.degree) if self.degree else "")
 
     @property
     def name(self) -> str:
-        """Such as argyris-8, or argyris-8-order2."""
-        return f"{self.element}-{self.refinement}" + ("" if self.order == 1 else f"-order{self.order}")
+        """Such as argyris-8, argyris-8-order2, or koiter3-8-chart."""
+        return f"{self.method}-{self.refinement}{ON_MESH[self.order]}"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """For `kshell.solve`."""
+        return {"element": self.element, **({"order": self.degree} if self.degree else {})}
+
+
+def method_of(run: str) -> str:
+    """The method in the name of a run."""
+    return run.partition("-")[0]
 
 
 @dataclass(frozen=True)
@@ -54,11 +80,18 @@ class Reference:
     ----------
     value : float
     uncertainty : float
-        Relative.
+        Relative to the scale.
+    scale : float
+        What errors are relative to: the size of the value, or of others like it where it is zero.
     """
 
     value: float
     uncertainty: float
+    scale: float
+
+    def error(self, value: float) -> float:
+        """Relative difference of a value from this one."""
+        return abs(value - self.value) / self.scale
 
 
 @dataclass(frozen=True)
@@ -106,9 +139,11 @@ class Case:
         family.what
     description : str
     build : function
-        (refinement, order of the mesh) to the scene.
+        (refinement, order of the mesh) to the scene, with the options of its solve but element and degree.
     quantities : dict of str to Quantity
     runs : tuple of Run
+    like : str
+        The entry of the references: the id, but for half and quarter models.
     source : str
         Where the references come from.
     references : dict of str to Reference
@@ -117,6 +152,8 @@ class Case:
         Largest relative error per run and quantity.
     most_unknowns : dict of str to int
         Per run.
+    quick : tuple of str, optional
+        Methods that the quick suite runs: none of a case that takes long, all where nothing is said.
     """
 
     id: str
@@ -124,10 +161,12 @@ class Case:
     build: Callable[[int, int], ks.Scene]
     quantities: Mapping[str, Quantity]
     runs: tuple[Run, ...]
+    like: str
     source: str
     references: Mapping[str, Reference]
     allowed: Mapping[str, Mapping[str, float]]
     most_unknowns: Mapping[str, int]
+    quick: tuple[str, ...] | None = None
 
     @property
     def family(self) -> str:
@@ -136,28 +175,26 @@ class Case:
 
     @property
     def quick_runs(self) -> tuple[Run, ...]:
-        """The first run of each element."""
+        """The first run of each method that is quick."""
         first: dict[str, Run] = {}
         for run in self.runs:
-            first.setdefault(run.element, run)
+            if self.quick is None or run.method in self.quick:
+                first.setdefault(run.method, run)
         return tuple(first.values())
 
     def solve(self, run: Run) -> ks.Result:
         """The result on one mesh with one element."""
-        return ks.solve(self.build(run.refinement, run.order), element=run.element)
+        return ks.solve(self.build(run.refinement, run.order), **run.options)
 
     def compare(self, run: Run, result: ks.Result) -> list[Outcome]:
         """Each quantity the element gives, beside its reference."""
+        allowed, most = self.allowed.get(run.name, {}), self.most_unknowns.get(run.name, 0)
         out = []
         for name, quantity in self.quantities.items():
             if run.element in quantity.elements:
-                value, reference = quantity.of(result), self.references[name].value
-                error = abs(value - reference) / abs(reference)
-                allowed = self.allowed.get(run.name, {}).get(name, 0.0)
-                most = self.most_unknowns.get(run.name, 0)
-                out.append(
-                    Outcome(self.id, run.name, name, result.unknowns, value, reference, error, allowed, most)
-                )
+                value, known, room = quantity.of(result), self.references[name], allowed.get(name, 0.0)
+                numbers = (value, known.value, known.error(value), room, most)
+                out.append(Outcome(self.id, run.name, name, result.unknowns, *numbers))
         return out
 
 
@@ -168,23 +205,28 @@ def case(
     quantities: Mapping[str, Quantity],
     runs: tuple[Run, ...],
     reference: str | None = None,
+    quick: tuple[str, ...] | None = None,
 ) -> Case:
     """A case with its references from references.json and its allowed errors from allowed.json.
 
     ``reference`` is the entry of the references where it is not the id, as for half and quarter models.
     """
     entry = _data("references.json")[reference or id]
-    uncertainty = entry["uncertainty"]
+    uncertainty, scales = entry["uncertainty"], entry.get("scales", {})
     references = {
         name: Reference(
-            entry["values"][name], uncertainty[name] if isinstance(uncertainty, dict) else uncertainty
+            entry["values"][name],
+            uncertainty[name] if isinstance(uncertainty, dict) else uncertainty,
+            scales.get(name, abs(entry["values"][name])),
         )
         for name in quantities
     }
     recorded = _data("allowed.json").get(id, {})
     allowed = {run: entry["errors"] for run, entry in recorded.items()}
     most = {run: entry["unknowns"] for run, entry in recorded.items()}
-    return Case(id, description, build, quantities, runs, entry["source"], references, allowed, most)
+    return Case(
+        id, description, build, quantities, runs, reference or id, entry["source"], references, allowed, most, quick
+    )  # fmt: skip
 
 
 @cache

@@ -4,14 +4,28 @@ from __future__ import annotations
 
 from functools import cache
 
-from verification.cases import circular, materials, polygons, rectangles, unstructured
+from verification.cases import (
+    beams,
+    circular,
+    cylinders,
+    doubly_curved,
+    gmsh_shells,
+    large,
+    materials,
+    polygons,
+    rectangles,
+    unstructured,
+)
 from verification.cases.case import Case
 
 
 @cache
 def all_cases() -> tuple[Case, ...]:
     """Every case."""
-    families = (rectangles, polygons, circular, unstructured, materials)
+    families = (
+        rectangles, polygons, circular, unstructured, materials, cylinders, doubly_curved, beams, gmsh_shells,
+        large,
+    )  # fmt: skip
     return tuple(one for family in families for one in family.cases())
 
 

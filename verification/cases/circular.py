@@ -44,7 +44,7 @@ def disks() -> Iterator[Case]:
             f"{words} disk, uniform pressure",
             lambda n, order, kind=kind: plate(meshes.ellipse(n, order), {"edge": kind}, [pressure]),  # type: ignore[misc]
             {"w_c": At(ORIGIN, "w"), **moments, **at_edge, **sums},
-            runs(4, 16, curved=True),
+            runs(4, 16, curved=True, koiter=(12, 6, 4)),
         )
         yield case(
             f"disk.{name}.uniform.quarter",

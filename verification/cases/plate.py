@@ -9,6 +9,7 @@ from typing import Any
 import kshell as ks
 from verification.cases.case import Run
 
+LINEAR = {"large_deflection": False}  # whatever the loads: the references are
 SUPPORTS: dict[str, Callable[[str], Any]] = {
     "C": ks.Clamped,
     "S": ks.SimplySupported,
@@ -17,10 +18,14 @@ SUPPORTS: dict[str, Callable[[str], Any]] = {
 }
 
 
-def runs(argyris: int, morley: int, curved: bool = False) -> tuple[Run, ...]:
-    """Both elements at their refinement; on curved edges Argyris on meshes of order 1 and 2."""
-    both = (Run("argyris", argyris), Run("morley", morley))
-    return (*both, Run("argyris", argyris, order=2)) if curved else both
+def runs(argyris: int, morley: int, curved: bool = False, koiter: tuple[int, ...] = ()) -> tuple[Run, ...]:
+    """Both elements at their refinement; on curved edges Argyris on meshes of order 1 and 2.
+
+    ``koiter`` has the refinements of degree 1, 2, 3, where the plate is solved as a shell, too.
+    """
+    both = [Run("argyris", argyris), Run("morley", morley)]
+    shells = [Run("koiter", n, 2 if curved else 1, degree) for degree, n in enumerate(koiter, 1)]
+    return (*both, *([Run("argyris", argyris, order=2)] if curved else []), *shells)
 
 
 def unit_material(nu: float = 0.3) -> ks.Isotropic:
@@ -43,4 +48,5 @@ def plate(
         material=material or unit_material(),
         supports=[*supports, *more],
         loads=list(loads),
+        solve=LINEAR,
     )

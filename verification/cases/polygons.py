@@ -91,7 +91,15 @@ def triangles() -> Iterator[Case]:
 def regular() -> Iterator[Case]:
     """Simply supported regular polygons in the unit circle: they do not tend to the disk (Babuska's paradox)."""
     # sides: layers around the corners, refinements; w grows like r^(n / (n - 2)) from a corner
-    how = {3: (0, 6, 24), 4: (0, 6, 24), 5: (4, 6, 20), 6: (6, 6, 16), 8: (10, 6, 16), 12: (16, 6, 12)}
+    how = {
+        3: (0, 6, 24),
+        4: (0, 6, 24),
+        5: (4, 6, 20),
+        6: (6, 6, 16),
+        8: (10, 6, 16),
+        12: (16, 6, 12),
+        16: (14, 6, 10),
+    }
     for sides, (layers, argyris, morley) in how.items():
         yield case(
             f"polygon.ss.{sides}",

@@ -13,9 +13,10 @@ import numpy as np
 
 from kshell.result import Result
 
-EVERY_ELEMENT = ("argyris", "morley")
+EVERY_ELEMENT = ("argyris", "morley", "koiter")
 ARGYRIS_ONLY = ("argyris",)
 Point = tuple[float, float]
+Place = tuple[float, float, float]
 Component = Literal["w", "Mx", "My", "Mxy", "M1", "M2", "laplacian"]
 
 
@@ -53,6 +54,35 @@ class At:
 
 
 @dataclass(frozen=True)
+class Moves:
+    """Displacement of a point of a shell along a direction, or its rotation about one."""
+
+    point: Place
+    direction: Place
+    kind: Literal["u", "rotation"] = "u"
+    elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
+
+    def of(self, result: Result) -> float:
+        return float(result.at(self.point)[self.kind][0] @ np.array(self.direction))
+
+
+@dataclass(frozen=True)
+class Tensor:
+    """A membrane force N or moment M per length at a point of a shell.
+
+    Components xx, yy, xy: x is the projection of the global x on the surface, or of y where x is normal to it.
+    """
+
+    point: Place
+    kind: Literal["N", "M"]
+    component: Literal["xx", "yy", "xy"]
+    elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
+
+    def of(self, result: Result) -> float:
+        return float(result.at(self.point)[self.kind][0][("xx", "yy", "xy").index(self.component)])
+
+
+@dataclass(frozen=True)
 class EdgeForce:
     """Kirchhoff's shear force V = Q_n + dM_nt/ds across the line with a normal along x or y."""
 
@@ -87,12 +117,13 @@ class CornerForce:
 
 @dataclass(frozen=True)
 class Compliance:
-    """Work of the loads on the deflection, twice the strain energy."""
+    """Work of the loads on the deflection, twice the strain energy; per force, the mean motion of where it acts."""
 
+    force: float = 1.0
     elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
 
     def of(self, result: Result) -> float:
-        return 2.0 * result.strain_energy
+        return 2.0 * result.strain_energy / self.force
 
 
 @dataclass(frozen=True)
@@ -105,3 +136,28 @@ class Reaction:
     def of(self, result: Result) -> float:
         chosen = [self.support] if self.support else list(result.reactions)
         return float(sum(result.reactions[name]["force"][2] for name in chosen))
+
+
+@dataclass(frozen=True)
+class AtSlit:
+    """The largest displacement along a direction of the vertices at a place, where a slit has two of them."""
+
+    point: Place
+    direction: Place
+    elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
+
+    def of(self, result: Result) -> float:
+        here = np.linalg.norm(result.mesh.points - self.point, axis=1) < 1e-6 * result.mesh.size
+        return float((result.fields["displacement"][here] @ np.array(self.direction)).max())
+
+
+@dataclass(frozen=True)
+class LimitLoad:
+    """The load factor of a limit point of a path, by its number."""
+
+    number: int
+    elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
+
+    def of(self, result: Result) -> float:
+        limits = [point["factor"] for point in result.critical if point["kind"] == "limit"]
+        return float(limits[self.number]) if self.number < len(limits) else float("nan")

@@ -2,6 +2,10 @@
 
 The compliance (twice the strain energy) converges like the square of the error in the energy norm. The rate
 is the slope between the coarsest and the finest mesh of a row.
+
+Koiter elements of degree p: energy 2 p, deflection 2 p at vertices, moments p + 1 inside for odd p and p for even p,
+p at clamped edges, all as long as the triangles have the shape of the surface: pieces of degree 2 and 3 have an
+error of order 4.
 """
 
 from __future__ import annotations
@@ -10,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from verification.cases.case import Outcome, Run
+from verification.cases.case import ON_MESH, TRUE_SURFACE, Outcome, Run
 from verification.cases.catalogue import find
 
 CLOSE = 0.35  # how far an observed rate may lie from the expected one
@@ -21,7 +25,7 @@ class Rate:
     """A row: what converges how fast."""
 
     case: str
-    element: str
+    method: str
     quantity: str
     refinements: tuple[int, int]
     rate: float
@@ -31,21 +35,21 @@ class Rate:
     def name(self) -> str:
         """Such as argyris-4-16."""
         coarse, fine = self.refinements
-        return f"{self.element}-{coarse}-{fine}" + ("" if self.order == 1 else f"-order{self.order}")
+        return f"{self.method}-{coarse}-{fine}{ON_MESH[self.order]}"
 
     def measure(self) -> Measured:
         """The errors on both meshes."""
         case = find(self.case)
-        quantity, reference = case.quantities[self.quantity], case.references[self.quantity].value
+        quantity, reference = case.quantities[self.quantity], case.references[self.quantity]
         unknowns, errors = [], []
         for n in self.refinements:
-            result = case.solve(Run(self.element, n, self.order))
+            result = case.solve(Run.of(self.method, n, self.order))
             unknowns.append(result.unknowns)
-            errors.append(abs(quantity.of(result) / reference - 1))
+            errors.append(reference.error(quantity.of(result)))
         return Measured(self, (unknowns[0], unknowns[1]), (errors[0], errors[1]))
 
     def __str__(self) -> str:
-        return f"{self.case}-{self.element}-order{self.order}-{self.quantity}"
+        return f"{self.case}-{self.method}-order{self.order}-{self.quantity}"
 
 
 @dataclass(frozen=True)
@@ -83,11 +87,11 @@ SMOOTH = [
     Rate("ssss.sinus.ba1", "argyris", "compliance", (4, 16), 8),
     Rate("ssss.sinus.ba1", "argyris", "w_c", (4, 16), 6),
     Rate("ssss.sinus.ba1", "argyris", "Mx_c", (8, 32), 4),
-    Rate("ssss.sinus.ba1", "argyris", "R", (8, 32), 4),
-    # uniform pressure: w has r^4 log r in the corners, felt by the corner force alone
+    Rate("ssss.sinus.ba1", "argyris", "R", (4, 16), 6),
+    # uniform pressure: w has r^4 log r in the corners; the forces there are averages of w
     Rate("ssss.uniform.ba1", "argyris", "w_c", (4, 16), 5.6),
     Rate("ssss.uniform.ba1", "argyris", "V_x0", (8, 32), 4),
-    Rate("ssss.uniform.ba1", "argyris", "R", (8, 32), 2),
+    Rate("ssss.uniform.ba1", "argyris", "R", (2, 8), 6),
     Rate("clamped.uniform.ba1", "argyris", "w_c", (4, 16), 6),
     Rate("clamped.uniform.ba1", "argyris", "Mx_edge", (4, 16), 5),
     Rate("levy.SFSC.ba1.5", "argyris", "w_c", (4, 16), 6.3),
@@ -131,4 +135,44 @@ SINGULAR = [
     Rate("polygon.ss.6", "morley", "w_c", (8, 32), 1.55),  # w = r^1.5: 1 in the limit
 ]
 
-RATES = (*SMOOTH, *CURVED, *SINGULAR)
+# Plates as shells: no error of the shape
+FLAT = [
+    *(
+        Rate(case, f"koiter{degree}", quantity, refinements, rate)
+        for degree, refinements, rows in (
+            (1, (8, 32), {"w_c": 2, "compliance": 2, "Mx_c": 2, "Mx_edge": 1}),
+            (2, (4, 16), {"w_c": 4, "compliance": 4, "Mx_c": 2, "Mx_edge": 2}),
+            (3, (6, 24), {"w_c": 6, "compliance": 6, "Mx_c": 4, "Mx_edge": 3}),
+        )
+        for quantity, rate in rows.items()
+        for case in ("clamped.uniform.ba1" if quantity == "Mx_edge" else "ssss.sinus.ba1",)
+    ),
+    Rate("clamped.uniform.ba1", "koiter1", "w_c", (8, 32), 2),
+    Rate("clamped.uniform.ba1", "koiter2", "w_c", (4, 16), 3.7),
+    Rate("disk.ss.uniform", "koiter1", "w_c", (6, 24), 2, 2),
+    Rate("disk.ss.uniform", "koiter2", "w_c", (4, 16), 4.2, 2),
+    Rate("disk.ss.uniform", "koiter3", "compliance", (3, 12), 4, 2),
+]
+
+SHELLS = [
+    # layers along the edges: flat triangles are still far from their order 2, cubics feel their shape last
+    Rate("shell.scordelis_lo", "koiter1", "w_free_edge", (16, 48), 1.5),
+    Rate("shell.scordelis_lo", "koiter2", "w_free_edge", (8, 32), 4, 2),
+    Rate("shell.scordelis_lo", "koiter2", "compliance", (8, 32), 4, 2),
+    Rate("shell.scordelis_lo", "koiter3", "w_free_edge", (6, 12), 6, 2),
+    Rate("shell.scordelis_lo", "koiter3", "w_free_edge", (6, 12), 6.1, TRUE_SURFACE),
+    Rate("shell.scordelis_lo", "argyris", "w_free_edge", (2, 8), 6.3, TRUE_SURFACE),
+    Rate("shell.quarter_circle.t0.001", "koiter1", "u_tip", (16, 48), 2),
+    Rate("shell.quarter_circle.t0.001", "koiter2", "u_tip", (8, 32), 4, 2),
+    Rate("shell.quarter_circle.t0.001", "koiter3", "u_tip", (6, 24), 4, 2),
+    Rate("shell.quarter_circle.t0.001", "koiter3", "u_tip", (6, 24), 4.1, TRUE_SURFACE),
+    Rate("shell.tube.force", "koiter1", "w_end", (24, 96), 1.2),
+    Rate("shell.tube.force", "koiter2", "w_end", (12, 48), 4, 2),
+    Rate("shell.tube.force", "koiter2", "slope_end", (12, 48), 3, 2),
+    Rate("shell.tube.force", "koiter3", "slope_end", (12, 48), 4.6, 2),
+    Rate("shell.tube.force", "argyris", "w_end", (4, 16), 6, TRUE_SURFACE),
+    Rate("shell.sphere.pressure.t0.1", "koiter2", "compliance", (4, 16), 4.2, 2),
+    Rate("shell.sphere.pressure.t0.1", "argyris", "compliance", (2, 8), 7, TRUE_SURFACE),
+]
+
+RATES = (*SMOOTH, *CURVED, *SINGULAR, *FLAT, *SHELLS)

@@ -70,7 +70,7 @@ def simply_supported() -> Iterator[Case]:
             f"simply supported, b/a = {b:g}, pressure sin(pi x/a) sin(pi y/b)",
             build(b, "SSSS", [ks.Pressure(f"sin(pi*x)*sin(pi*y/{b!r})")]),
             {**centre_values(b), "R": corner, **sums},
-            runs(8, 32),
+            runs(8, 32, koiter=(24, 12, 8)),
         )
         at_corner: dict[str, Quantity] = {"R": corner} if b == 1.0 else {}
         middle = (0.5, b / 2)
@@ -117,7 +117,7 @@ def clamped() -> Iterator[Case]:
             f"clamped, b/a = {b:g}, uniform pressure",
             build(b, "CCCC", UNIFORM),
             {**centre_values(b), **edges, "reaction": Reaction()},
-            runs(8, 32),
+            runs(8, 32, koiter=(24, 12, 8)),
         )
     yield case(
         "clamped.point.ba1",

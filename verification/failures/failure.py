@@ -100,7 +100,8 @@ def solved(mesh: ks.Mesh, held: Mapping[str, str], element: str, load: Any = Non
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ks.KshellWarning)
-        return ks.solve(plate(mesh, held, [load or ks.Pressure(1.0)], **more), element=element)
+        scene = plate(mesh, held, [load or ks.Pressure(1.0)], **more)
+        return ks.solve(scene, element=element, large_deflection=False)
 
 
 def deflection(result: ks.Result, x: float, y: float) -> float:

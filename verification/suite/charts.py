@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from verification.cases.case import method_of
 from verification.suite.run import Report
 
 if TYPE_CHECKING:
@@ -15,8 +16,13 @@ if TYPE_CHECKING:
     from verification.cases import Outcome
 
 FLOOR = 1e-16  # errors below are drawn here
-MARKS = {"argyris": ("o", "#c2410c"), "morley": ("^", "#1d4ed8")}
-OTHER = ("s", "#047857")
+MARKS = {  # and what the legend calls it
+    "argyris": ("o", "#c2410c", "Argyris"),
+    "morley": ("^", "#1d4ed8", "Morley"),
+    "koiter1": ("v", "#7dd3a8", "Koiter, degree 1"),
+    "koiter2": ("s", "#059669", "Koiter, degree 2"),
+    "koiter3": ("D", "#064e3b", "Koiter, degree 3"),
+}
 
 
 def charts(report: Report, foot: str) -> dict[str, Figure]:
@@ -27,11 +33,6 @@ def charts(report: Report, foot: str) -> dict[str, Figure]:
     for figure in out.values():
         figure.supxlabel(foot, fontsize=5.5, color="0.35", wrap=True)
     return out
-
-
-def element_of(one: Outcome) -> str:
-    """The first word of a run."""
-    return one.run.partition("-")[0]
 
 
 def _figure(height: float = 4.2) -> tuple[Figure, Axes]:
@@ -46,11 +47,12 @@ def _values(report: Report) -> list[Outcome]:
     return [one for block in report.blocks if block.measured is None for one in block.outcomes]
 
 
-def _by_element(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
-    out: dict[str, list[Outcome]] = {}
+def _by_method(outcomes: list[Outcome]) -> dict[str, list[Outcome]]:
+    """In the order of `MARKS`, without methods that no value has."""
+    out: dict[str, list[Outcome]] = {method: [] for method in MARKS}
     for one in outcomes:
-        out.setdefault(element_of(one), []).append(one)
-    return out
+        out[method_of(one.run)].append(one)
+    return {method: some for method, some in out.items() if some}
 
 
 def _margins(report: Report) -> Figure:
@@ -58,16 +60,19 @@ def _margins(report: Report) -> Figure:
     figure, axes = _figure()
     values = _values(report)
     families = list(dict.fromkeys(one.case.partition(".")[0] for one in values))
-    for element, some in _by_element(values).items():
-        marker, colour = MARKS.get(element, OTHER)
+    for method, some in _by_method(values).items():
+        marker, colour, words = MARKS[method]
         # spread sideways by golden-ratio steps, so that points do not hide each other
         spread = 0.7 * (np.arange(len(some)) * 0.618 % 1 - 0.5)
         x = np.array([families.index(one.case.partition(".")[0]) for one in some]) + spread
         y = np.maximum([min(one.used, 1e3) for one in some], 1e-6)
-        axes.semilogy(x, y, marker, color=colour, markersize=3, alpha=0.5, label=element)
+        axes.semilogy(x, y, marker, color=colour, markersize=3, alpha=0.5, label=words)
     axes.axhline(1.0, color="black", linewidth=1)
     axes.text(0.003, 1.15, "fails above", transform=axes.get_yaxis_transform(), fontsize=8)
-    axes.set_xticks(range(len(families)), families, rotation=20, fontsize=8)
+    axes.set_xticks(
+        range(len(families)), families, rotation=30, ha="right", rotation_mode="anchor", fontsize=8
+    )
+    axes.set_ylim(5e-7, 4 if not report.failed else None)
     axes.set(
         ylabel="error / allowed error", title=f"{report.cases} cases, {len(values)} values: margin to failure"
     )
@@ -78,12 +83,12 @@ def _margins(report: Report) -> Figure:
 def _errors(report: Report) -> Figure:
     """Relative error of every value against unknowns."""
     figure, axes = _figure()
-    for element, some in _by_element(_values(report)).items():
-        marker, colour = MARKS.get(element, OTHER)
+    for method, some in _by_method(_values(report)).items():
+        marker, colour, words = MARKS[method]
         errors = np.maximum([one.error if np.isfinite(one.error) else 1.0 for one in some], FLOOR)
         axes.loglog(
             [max(one.unknowns, 1) for one in some], errors, marker, color=colour, markersize=3.5, alpha=0.4,
-            label=f"{element}, median {np.median(errors):.0e}",
+            label=f"{words}, median {np.median(errors):.0e}",
         )  # fmt: skip
     axes.set(
         xlabel="unknowns",
@@ -98,12 +103,13 @@ def _errors(report: Report) -> Figure:
 def _times(report: Report) -> Figure:
     """Wall seconds of each solve against unknowns."""
     figure, axes = _figure(3.6)
-    for element in MARKS:
-        some = [b for b in report.blocks if b.measured is None and element_of(b.outcomes[0]) == element]
-        marker, colour = MARKS[element]
+    for method, (marker, colour, words) in MARKS.items():
+        some = [b for b in report.blocks if b.measured is None and method_of(b.outcomes[0].run) == method]
+        if not some:
+            continue
         axes.loglog(
             [max(b.outcomes[0].unknowns, 1) for b in some], [b.seconds for b in some], marker, color=colour,
-            markersize=4, alpha=0.6, label=element,
+            markersize=4, alpha=0.6, label=words,
         )  # fmt: skip
     axes.set(
         xlabel="unknowns",
@@ -122,9 +128,11 @@ def _rates(report: Report) -> Figure:
     y = np.arange(len(measured))[::-1]
     expected = np.array([one.row.rate for one in measured])
     axes.plot(expected, y, "|", color="black", markersize=11, label="expected")
-    for element, (marker, colour) in MARKS.items():
-        own = np.array([one.row.element == element for one in measured])
-        axes.plot(np.array([one.rate for one in measured])[own], y[own], marker, color=colour, label=element)
+    observed = np.array([one.rate for one in measured])
+    for method, (marker, colour, words) in MARKS.items():
+        own = np.array([one.row.method == method for one in measured])
+        if own.any():
+            axes.plot(observed[own], y[own], marker, color=colour, markersize=5, label=words)
     axes.set_yticks(
         y, [f"{one.row.case} {one.row.quantity}, {one.row.name}" for one in measured], fontsize=6.5
     )

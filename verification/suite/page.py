@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from html import escape
 
 from verification.cases import all_cases
+from verification.cases.collected import left_out
 from verification.suite.run import Report
 
 HEADS = (
@@ -67,7 +68,7 @@ def page(report: Report, facts: Mapping[str, str], pictures: Mapping[str, bytes]
         f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>',
         f"<style>{STYLE}</style></head><body><h1>{title}</h1>",
         f"<p><strong>{escape(report.summary())}</strong></p>",
-        "<p>Quick: each case once with each element.</p>"
+        "<p>Quick: each case once with each element and degree.</p>"
         if report.quick
         else "<p>Full: each case on all its meshes, and the rates of convergence.</p>",
         _table(facts.items(), "facts"),
@@ -86,6 +87,8 @@ def page(report: Report, facts: Mapping[str, str], pictures: Mapping[str, bytes]
     parts.append("</tbody></table><h2>Where the references come from</h2>")
     run = {one.case for one in report.outcomes}
     parts.append(_table([(c.id, c.description, c.source) for c in all_cases() if c.id in run], "facts"))
+    parts.append("<h2>Collected references that no case runs</h2>")
+    parts.append(_table([(c.id, c.what, c.reason) for some in left_out().values() for c in some], "facts"))
     return "\n".join([*parts, "</body></html>\n"])
 
 

