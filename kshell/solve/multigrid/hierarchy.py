@@ -100,7 +100,7 @@ def build(matrix: Any, space: PlateSpace) -> Hierarchy:
     from pyamg.multilevel import MultilevelSolver
 
     blocks, vertices, notes, cloud = prolongations(space)
-    levels = []
+    levels: list[Any] = []
     product = sp.bsr_matrix((matrix.data[:, None, None], matrix.indices, matrix.indptr), shape=matrix.shape)
     while blocks:
         coarser = galerkin(product, blocks[0])
