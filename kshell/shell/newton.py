@@ -22,9 +22,11 @@ MOST_ITERATIONS = 25
 FINISHED = 1e-13
 # growth of that work over its first value, after which an iteration is given up
 DIVERGED = 1e5
+# iterations without a new smallest work, after which it is given up: near a limit point it wanders for ever
+PATIENCE = 6
 
 
-def correct(problem: Problem, state: State, factor: float) -> State:
+def correct(problem: Problem, state: State, factor: float, most_iterations: int = MOST_ITERATIONS) -> State:
     """Equilibrium at a load factor, from a state nearby.
 
     Raises
@@ -37,7 +39,8 @@ def correct(problem: Problem, state: State, factor: float) -> State:
     shift = (factor - state.factor) * given
     moved = bool(np.any(shift))
     first, definite = 0.0, state.negative == 0
-    for iteration in range(1, MOST_ITERATIONS + 1):
+    best, best_at = np.inf, 0
+    for iteration in range(1, most_iterations + 1):
         energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
         if not np.isfinite(energy.value):
             break
@@ -55,12 +58,16 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         x = x + change
         scale = abs(energy.value) + abs(factor * float(growth @ x))
         if iteration > 1 and work <= FINISHED * scale:
-            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
         if not np.isfinite(work) or (first > 0.0 and work > DIVERGED * first):
             break
         first = max(first, work)
-        if scale == 0.0:
-            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+        if work < best * scale:
+            best, best_at = work / scale, iteration
+        elif iteration - best_at > PATIENCE:
+            break
+        if scale == 0.0 and not np.any(change):  # nothing loads or moves the shell
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
     raise SolveError(
         f"no equilibrium found at the load factor {factor:.6g} from {state.factor:.6g} in {iteration} iterations",
         state=state,
