@@ -14,14 +14,18 @@ from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
+from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
-MOST_ITERATIONS = 25
+MOST_ITERATIONS = 15
 # work of the last residual on the last correction, against the work of the load; the error is its square
 FINISHED = 1e-13
+# work below which the tangent has all but settled: it serves again while the work falls at such a rate
+SETTLED = 1e-5
+KEPT = 1e-3
 # growth of that work over its first value, after which an iteration is given up
-DIVERGED = 1e5
+DIVERGED = 1e8
 
 
 def correct(problem: Problem, state: State, factor: float) -> State:
@@ -36,31 +40,33 @@ def correct(problem: Problem, state: State, factor: float) -> State:
     x, stress = state.x, None
     shift = (factor - state.factor) * given
     moved = bool(np.any(shift))
-    first, definite = 0.0, state.negative == 0
+    first, work, definite = 0.0, np.inf, state.negative == 0
+    tangent: Factor | None = None
     for iteration in range(1, MOST_ITERATIONS + 1):
-        energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
+        energy, residual, growth = problem.evaluate(x, factor, 2 if tangent is None else 1, state.memory, stress)
         if not np.isfinite(energy.value):
             break
         if iteration == 1 and moved:
             residual = residual - energy.hessian @ shift
         reduced = basis.T @ residual
-        tangent = problem.factorise(energy.hessian, definite)
-        definite = tangent.definite
+        if tangent is None:
+            tangent = problem.factorise(energy.hessian, definite)
+            definite = tangent.definite
         step = tangent.solve(reduced)
-        work = abs(float(reduced @ step))
+        before, work = work, abs(float(reduced @ step))
         change = basis @ step
         if iteration == 1 and moved:
             change = change + shift
         stress = problem.energy.extrapolated_stress(energy.linear, change)
         x = x + change
         scale = abs(energy.value) + abs(factor * float(growth @ x))
-        if iteration > 1 and work <= FINISHED * scale:
+        if (iteration > 1 and work <= FINISHED * scale) or scale == 0.0:
             return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
         if not np.isfinite(work) or (first > 0.0 and work > DIVERGED * first):
             break
         first = max(first, work)
-        if scale == 0.0:
-            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+        if not (work <= SETTLED * scale and work <= KEPT * before):
+            tangent = None
     raise SolveError(
         f"no equilibrium found at the load factor {factor:.6g} from {state.factor:.6g} in {iteration} iterations",
         state=state,
