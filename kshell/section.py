@@ -103,6 +103,14 @@ class Section:
             return self._Q, self._Q, self._Q
         return self._stack.bottom, self._stack.middle, self._stack.top
 
+    @property
+    def stiffness_ratio(self) -> float:
+        """The stiffest bending over the softest one; 2 / (1 + nu) of an isotropic plate with nu near -1."""
+        shear = np.diag([1.0, 1.0, np.sqrt(2.0)])  # makes the norm of (w_xx, w_yy, 2 w_xy) that of the tensor
+        law = shear @ (self._Q if self._stack is None else self._stack.D) @ shear
+        value = np.linalg.eigvalsh(law)
+        return float(value[-1] / value[0]) if value[0] > 0.0 else np.inf
+
     def bending_per_triangle(self) -> Floats:
         """(triangle, 3, 3) stiffness D, where `constant_per_triangle` holds."""
         if not self.constant_per_triangle:

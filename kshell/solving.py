@@ -120,7 +120,7 @@ def _solve(
         if choice.kind == "plate":
             from kshell.plate import solve_plate
 
-            result = solve_plate(scene, mesh, chosen, progress, read_seconds=read_seconds)
+            result = solve_plate(scene, mesh, chosen, progress, read_seconds, choice.reasons)
             result = _large_where_it_matters(scene, mesh, chosen, result, progress)
         else:
             from kshell.shell.model import solve_shell

@@ -51,7 +51,9 @@ def singular_corners(mesh: Mesh, supports: Supports, shape: EdgeCurves | None = 
     clamped = np.zeros(len(mesh.edges), dtype=bool)
     for group in supports.held:
         held[group.line] = True
-        clamped[np.intersect1d(group.line, group.edges)] = True
+        turned = np.zeros(len(mesh.edges), dtype=bool)
+        turned[group.edges] = True
+        clamped[group.line] |= turned[group.line]
     boundary = mesh.boundary_edges
     around: dict[int, list[int]] = {}
     for e in boundary.tolist():

@@ -203,18 +203,25 @@ def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], 
     # a jump of curvature (an arc that runs into a straight line) stands out from the change before
     # and after it; where the curvature merely varies fast, as on an ellipse, all changes are alike
     ahead, behind = neighbour(bend, 1), neighbour(bend, -1)
+    # the turn of a corner is no curvature, and what lies beyond it belongs to another line
+    at_corner = corner.astype(float)
+    far_ahead = np.where(neighbour(at_corner, 2) + neighbour(at_corner, 3) > 0, ahead, neighbour(bend, 3))
+    far_behind = np.where(
+        neighbour(at_corner, -2) + neighbour(at_corner, -3) > 0, behind, neighbour(bend, -3)
+    )
     change = np.abs(ahead - behind)
-    before_it = np.abs(behind - neighbour(bend, -3))
-    after_it = np.abs(neighbour(bend, 3) - ahead)
+    before_it = np.abs(behind - far_behind)
+    after_it = np.abs(far_ahead - ahead)
     scale = np.maximum(np.abs(ahead), np.abs(behind))
     stands_out = (change > 0.5 * scale) & (change > 8 * np.maximum(before_it, after_it))
     # a short arc between straight sides, a fillet of two or three edges: flat on one side is enough
     flat = np.minimum(
-        np.maximum(np.abs(behind), np.abs(neighbour(bend, -3))),
-        np.maximum(np.abs(ahead), np.abs(neighbour(bend, 3))),
+        np.maximum(np.abs(behind), np.abs(far_behind)),
+        np.maximum(np.abs(ahead), np.abs(far_ahead)),
     )
     stands_out |= flat < 0.02 * scale
-    jump = vertex & ~corner & stands_out & (scale * span > 1e-6)
+    beside_corner = neighbour(at_corner, 1) + neighbour(at_corner, -1) > 0
+    jump = vertex & ~corner & ~beside_corner & stands_out & (scale * span > 1e-6)
     if not closed:
         corner[[0, -1]] = jump[[0, -1]] = False
         near_end = np.minimum(np.arange(n), n - 1 - np.arange(n)) <= 3  # no neighbour to compare with

@@ -33,7 +33,12 @@ UNBALANCED = 1e-6
 
 
 def solve_plate(
-    scene: Scene, mesh: Mesh, options: SolveOptions, progress: Stage | None = None, read_seconds: float = 0.0
+    scene: Scene,
+    mesh: Mesh,
+    options: SolveOptions,
+    progress: Stage | None = None,
+    read_seconds: float = 0.0,
+    why: tuple[str, ...] | None = None,
 ) -> Result:
     """Deflection of a Kirchhoff plate under static loads.
 
@@ -47,6 +52,8 @@ def solve_plate(
         Called with the name of each stage: assemble, solve, recover.
     read_seconds : float
         Time already spent on reading.
+    why : tuple of str, optional
+        The reasons for a plate, where they are known.
 
     Raises
     ------
@@ -71,7 +78,7 @@ def solve_plate(
     with clock.stage("recover"):
         result = _recover(scene, problem, d, solution)
     reasons = [
-        *choose_model(scene, mesh, options).reasons,
+        *(choose_model(scene, mesh, options).reasons if why is None else why),
         choice.reason,
         "linear: only small deflections are computed",
         *(f"mesh: {note}" for note in mesh.notes),

@@ -115,6 +115,8 @@ class ReactionFinder:
 
     def _at_edges(self, r: Floats, slopes: Floats, edges: Ints) -> Floats:
         """Moments of held slopes; an edge in several groups is shared."""
+        if not len(edges):
+            return np.zeros(3)
         count = sum(np.isin(edges, other.edges).astype(float) for other in self.supports.held)
         weight = 1.0 / np.maximum(count, 1.0)
         ends = self.domain.points[self.domain.mesh.edges[edges]]
@@ -200,7 +202,9 @@ class ReactionFinder:
         if not edge_groups:
             return []
         supported = np.array([e for e in edge_groups if mesh.edge_counts[e] == 1], dtype=np.int64)
-        held = np.isin(mesh.edges[boundary.edges], mesh.edges[supported])  # (boundary edge, end)
+        at_support = np.zeros(len(mesh.points), dtype=bool)
+        at_support[mesh.edges[supported]] = True
+        held = at_support[mesh.edges[boundary.edges]]  # (boundary edge, end)
         around: dict[int, list[tuple[int, int]]] = {}
         for k, end in np.argwhere(held).tolist():
             around.setdefault(int(mesh.edges[boundary.edges[k], end]), []).append((k, end))

@@ -75,12 +75,14 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
 
 
 def pieces(mesh: Mesh) -> tuple[int, Ints]:
-    """Number of pieces joined along edges, and the piece of each triangle."""
+    """Number of pieces joined along edges, and the piece of each triangle; no edge has more than two triangles."""
     n = len(mesh.triangles)
-    # triangles at an edge, each linked with the one that owns it
-    owner = mesh.edge_owner[:, 0][mesh.triangle_edges.ravel()]
-    link = sp.csr_matrix((np.ones(3 * n), owner, np.arange(0, 3 * n + 1, 3)), shape=(n, n))
-    count, label = connected_components(link, directed=False)
+    last = np.empty(len(mesh.edges), dtype=np.int32)
+    last[mesh.triangle_edges] = np.arange(n, dtype=np.int32)[:, None]
+    # across each edge the other triangle, or the same one at the boundary: links go both ways
+    neighbour = (mesh.edge_owner[:, 0] + last)[mesh.triangle_edges] - np.arange(n, dtype=np.int32)[:, None]
+    link = sp.csr_matrix((np.ones(3 * n), neighbour.ravel(), np.arange(0, 3 * n + 1, 3)), shape=(n, n))
+    count, label = connected_components(link, connection="strong")
     return int(count), label.astype(np.int64)
 
 

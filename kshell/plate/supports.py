@@ -192,7 +192,7 @@ class _Builder:
     def _curves_of(self, edges: Ints) -> EdgeCurves:
         """Shape of a line of supports: the plate's own edge where it is one, a line inside elsewhere."""
         boundary = self.domain.boundary
-        inside = np.setdiff1d(edges, boundary.edges)
+        inside = edges[self.mesh.edge_counts[edges] > 1] if len(boundary.edges) else edges
         if not len(inside):
             return boundary
         own = edge_curves(self.mesh, inside.astype(np.int32))
@@ -263,6 +263,8 @@ class _Builder:
     def _curved_holds(self, support: Any, edges: Ints, label: str, holds_w: bool, holds_r: bool) -> None:
         """Consistency terms on curved boundary edges, once for each edge and quantity."""
         curves = self.domain.boundary
+        if not curves.curved.any():
+            return
         bent = edges[np.isin(edges, curves.edges[curves.curved])]
         needs = np.array([[holds_w], [holds_r]]) & ~self.consistent[:, bent]
         self.consistent[:, bent] |= needs
@@ -305,7 +307,7 @@ class _Builder:
         """w_n = 0 at midpoints: the edge's own degree of freedom, or the true midpoint of a curved edge."""
         conditions = self.out.conditions
         bent = np.zeros(len(edges), dtype=bool)
-        if self.rich:
+        if self.rich and curves.curved.any():
             on_boundary = np.isin(edges, self.domain.boundary.edges)
             bent = on_boundary & curves.curved[curves.place(edges)]
         conditions.edges.append(edges[~bent])

@@ -73,6 +73,19 @@ def test_an_arc_that_runs_into_straight_lines():
     assert Domain(mesh, curved=True).area == pytest.approx(np.pi / 2, rel=1e-7)
 
 
+@pytest.mark.parametrize("n", [8, 30, 120])
+def test_edges_beside_a_corner_are_as_curved_as_the_others(n):
+    """A quarter disk, fanned from its centre: the turn at the ends of the arc is no curvature of the arc."""
+    angle = np.linspace(0, np.pi / 2, n + 1)
+    points = np.concatenate([[[0.0, 0.0]], np.stack([np.cos(angle), np.sin(angle)], axis=1)])
+    k = np.arange(1, n + 1)
+    mesh = Mesh.from_arrays(points, np.stack([np.zeros(n, dtype=int), k, k + 1], axis=1))
+    curves = edge_curves(mesh, mesh.boundary_edges)
+    on_arc = (mesh.edges[curves.edges] > 0).all(axis=1)
+    assert curves.curved.tolist() == on_arc.tolist()
+    assert np.allclose(np.linalg.norm(curves.curvature[on_arc], axis=-1), 1.0, atol=10 / n**3)
+
+
 def test_a_smooth_join_of_arc_and_line_has_one_tangent():
     """A stadium: straight sides, half circles; the curvature jumps, the tangent does not."""
     turn = np.linspace(-np.pi / 2, np.pi / 2, 17)

@@ -198,3 +198,41 @@ def test_a_mesh_made_clockwise_is_turned_over(order):
     result = ks.solve(scene)
     assert result.fields["displacement"][:, 2].max() == pytest.approx(1 / 64, rel=1e-4)
     assert any("reversed" in reason for reason in result.model["reasons"])
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-5, 1e-7])
+def test_poissons_ratio_near_minus_one_is_warned_of_with_a_number_that_holds(gap):
+    """The simply supported disk bends as softly as it can; its deflection is known."""
+    nu = -1 + gap
+    material = ks.Isotropic(E=12 * (1 - nu**2), nu=nu)
+    result = solve(disk(4), [ks.SimplySupported("edge")], [ks.Pressure(1.0)], material=material)
+    error = abs(result.at((0, 0, 0))["u"][0, 2] / ((5 + nu) / (1 + nu) / 64) - 1)
+    said = [words for words in result.warnings if "nearly singular" in words]
+    if gap > 1e-4:
+        assert not said
+        assert error < 1e-6
+        return
+    assert f"{2 / gap:.1e} times" in said[0]
+    off = float(said[0].split("off by ")[1].split(" ")[0])
+    assert error < off
+
+
+def test_harmless_materials_are_not_warned_of():
+    """Nearly incompressible, a stiff fibre in a soft matrix, and a laminate of it."""
+    fibre = ks.Orthotropic(E1=140e9, E2=1e9, nu12=0.3, G12=0.5e9)
+    layers = [ks.Layer(fibre, 0.1, angle) for angle in (0, 90, 90, 0)]
+    loads, held = [ks.Pressure(1.0)], [ks.SimplySupported("edge")]
+    for section in (
+        {"material": ks.Isotropic(E=1.0, nu=0.4999999)},
+        {"material": fibre},
+        {"layers": layers},
+    ):
+        assert solve(rectangle(2), held, loads, **section).warnings == []
+
+
+def test_a_nearly_singular_laminate_is_warned_of():
+    nothing = ks.Orthotropic(E1=1e9, E2=1e3, nu12=0.0, G12=1e3)
+    layers = [ks.Layer(nothing, 0.1, 0.0)] * 2
+    words = solve(rectangle(2), [ks.SimplySupported("edge")], [ks.Pressure(1.0)], layers=layers).warnings
+    assert len(words) == 1
+    assert "1.0e+06 times" in words[0]

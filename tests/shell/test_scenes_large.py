@@ -17,7 +17,7 @@ import kshell as ks
 from kshell.cli import run
 from kshell.mesh import write_msh
 from tests.scene.fabricated import square_mesh
-from verification.benchmarks import large_scenes
+from verification.cases import large_scenes
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,7 +10,7 @@ from verification.cases import all_cases, find
 from verification.cases.case import HERE
 from verification.cases.collected import collected
 
-SHELLS = ("shell", "gmsh")
+SHELLS = ("shell", "gmsh", "large")
 RUNS = [(one, run) for one in all_cases() for run in (one.quick_runs if one.family in SHELLS else one.runs)]
 UNBALANCED = 1e-6
 # Argyris elements on a chart know rigid rotations up to their interpolation only
@@ -33,7 +33,9 @@ def test_case(case, run):
     on_chart = run.element == "argyris" and case.family in SHELLS
     assert result.balance < (UNBALANCED_ON_CHART if on_chart else UNBALANCED)
     # nothing moves by itself: the loads do as much work as is stored, but heat stores energy without any
-    if not any(isinstance(load, ks.Temperature) for load in result.scene.loads):
+    # and large deflections store less than the final load times the way
+    heated = any(isinstance(load, ks.Temperature) for load in result.scene.loads)
+    if not heated and not result.model["large_deflection"]:
         assert result.strain_energy == pytest.approx(result.external_work, rel=1e-7)
     if not on_chart:
         unexpected = [w for w in result.warnings if not any(known in w for known in EXPECTED_WARNINGS)]
@@ -52,11 +54,11 @@ def test_every_quantity_has_a_reference_and_an_allowance():
 
 def test_enough_cases():
     ids = [case.id for case in all_cases()]
-    assert len(set(ids)) == len(ids) >= 150
+    assert len(set(ids)) == len(ids) >= 179
     for case in all_cases():
         methods = {run.method for run in case.runs}
         if case.family in SHELLS:
-            assert methods >= {"koiter2", "koiter3"}
+            assert "koiter3" in methods
         else:
             assert methods >= {"argyris", "morley"}
 

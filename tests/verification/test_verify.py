@@ -13,6 +13,7 @@ from kshell.errors import InputError, SolveError
 from verification.cases import all_cases, find
 from verification.cases.rates import RATES
 from verification.suite import verify
+from verification.suite.command import not_run
 from verification.suite.machine import machine
 from verification.suite.run import run_blocks
 
@@ -40,7 +41,8 @@ def test_quick_solves_every_case_once_with_each_element():
     for case in all_cases():
         methods = [run.method for run in case.quick_runs]
         assert len(set(methods)) == len(methods)
-        assert set(methods) == {run.method for run in case.runs}
+        expected = {run.method for run in case.runs}
+        assert set(methods) == (expected if case.quick is None else expected & set(case.quick))
         assert set(case.quick_runs) <= set(case.runs)
 
 
@@ -78,6 +80,13 @@ def test_full_run_writes_page_table_and_charts(few, tmp_path, capsys):
     assert "Timoshenko" in page
     assert "B.ssss.freq" in page
     assert "written: " in capsys.readouterr().out
+
+
+def test_what_takes_long_is_said_to_be_left_to_the_full_suite():
+    words = not_run(quick=True)
+    assert words[0].startswith("left to the full suite")
+    assert "large.roof.isotropic" in words[0]
+    assert not any("left to" in line for line in not_run(quick=False))
 
 
 def test_a_case_that_loses_digits_fails(few, monkeypatch, capsys):

@@ -18,7 +18,7 @@ from kshell.mesh import read_mesh
 from kshell.modelling import choose_model
 from kshell.shell.path import PathFollower
 from kshell.shell.problem import ShellProblem
-from verification.benchmarks import large_scenes as scenes
+from verification.cases import large_scenes as scenes
 
 HEAD = f"{'case':34s} {'value':>12s} {'reference':>12s} {'error':>9s} {'seconds':>8s} {'steps':>6s} {'iterations':>10s}"
 
@@ -87,7 +87,7 @@ def roof(layered: bool, sizes: list[int], table: list[tuple[float, float]]) -> N
     """Load at the displacements of the table, difference relative to the limit load."""
     limit = max(factor for factor, w in table if w < 15.0)
     for n in sizes:
-        scene = scenes.roof(n, layered)
+        scene = scenes.roof(n, (0, 90, 0) if layered else ())
         problem = kernel(scene)
         equilibrium = problem.equilibrium()
         follower, state = PathFollower(equilibrium), equilibrium.start()

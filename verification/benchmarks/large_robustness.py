@@ -22,7 +22,7 @@ import meshio
 import numpy as np
 
 import kshell as ks
-from verification.benchmarks.large_scenes import rectangle
+from verification.cases.large_scenes import rectangle
 
 SECONDS = 30
 SHAPES = ("strip", "cap", "roof", "box")

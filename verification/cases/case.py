@@ -152,6 +152,8 @@ class Case:
         Largest relative error per run and quantity.
     most_unknowns : dict of str to int
         Per run.
+    quick : tuple of str, optional
+        Methods that the quick suite runs: none of a case that takes long, all where nothing is said.
     """
 
     id: str
@@ -164,6 +166,7 @@ class Case:
     references: Mapping[str, Reference]
     allowed: Mapping[str, Mapping[str, float]]
     most_unknowns: Mapping[str, int]
+    quick: tuple[str, ...] | None = None
 
     @property
     def family(self) -> str:
@@ -172,10 +175,11 @@ class Case:
 
     @property
     def quick_runs(self) -> tuple[Run, ...]:
-        """The first run of each method."""
+        """The first run of each method that is quick."""
         first: dict[str, Run] = {}
         for run in self.runs:
-            first.setdefault(run.method, run)
+            if self.quick is None or run.method in self.quick:
+                first.setdefault(run.method, run)
         return tuple(first.values())
 
     def solve(self, run: Run) -> ks.Result:
@@ -201,6 +205,7 @@ def case(
     quantities: Mapping[str, Quantity],
     runs: tuple[Run, ...],
     reference: str | None = None,
+    quick: tuple[str, ...] | None = None,
 ) -> Case:
     """A case with its references from references.json and its allowed errors from allowed.json.
 
@@ -220,7 +225,7 @@ def case(
     allowed = {run: entry["errors"] for run, entry in recorded.items()}
     most = {run: entry["unknowns"] for run, entry in recorded.items()}
     return Case(
-        id, description, build, quantities, runs, reference or id, entry["source"], references, allowed, most
+        id, description, build, quantities, runs, reference or id, entry["source"], references, allowed, most, quick
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from verification.cases import (
     cylinders,
     doubly_curved,
     gmsh_shells,
+    large,
     materials,
     polygons,
     rectangles,
@@ -23,6 +24,7 @@ def all_cases() -> tuple[Case, ...]:
     """Every case."""
     families = (
         rectangles, polygons, circular, unstructured, materials, cylinders, doubly_curved, beams, gmsh_shells,
+        large,
     )  # fmt: skip
     return tuple(one for family in families for one in family.cases())
 

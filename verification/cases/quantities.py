@@ -136,3 +136,28 @@ class Reaction:
     def of(self, result: Result) -> float:
         chosen = [self.support] if self.support else list(result.reactions)
         return float(sum(result.reactions[name]["force"][2] for name in chosen))
+
+
+@dataclass(frozen=True)
+class AtSlit:
+    """The largest displacement along a direction of the vertices at a place, where a slit has two of them."""
+
+    point: Place
+    direction: Place
+    elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
+
+    def of(self, result: Result) -> float:
+        here = np.linalg.norm(result.mesh.points - self.point, axis=1) < 1e-6 * result.mesh.size
+        return float((result.fields["displacement"][here] @ np.array(self.direction)).max())
+
+
+@dataclass(frozen=True)
+class LimitLoad:
+    """The load factor of a limit point of a path, by its number."""
+
+    number: int
+    elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
+
+    def of(self, result: Result) -> float:
+        limits = [point["factor"] for point in result.critical if point["kind"] == "limit"]
+        return float(limits[self.number]) if self.number < len(limits) else float("nan")

@@ -78,7 +78,8 @@ FAILURE = Failure(
     "subtracts large, nearly equal numbers, and loses a digit with every digit that nu comes closer. Near -1 "
     "the stiffness against w_xx + w_yy vanishes beside that against the rest: the problem itself is nearly singular.",
     "The plane-stress law is taken in closed form and is harmless at 1/2. Near -1 "
-    "the error is about 6e-12 / (1 + nu), and nothing warns of it before the system is refused as nearly singular. "
+    "the error is about 6e-12 / (1 + nu); from 1 + nu = 6e-5 on a warning says what error that may mean, "
+    "before the system is refused as nearly singular. "
     "nu = 1/2 and nu = -1 themselves, and what lies beyond, are bad input.",
     measure,
     draw,

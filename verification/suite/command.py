@@ -28,7 +28,8 @@ def verify(quick: bool = False, out: Path | None = None, cases: Iterable[Case] |
     Parameters
     ----------
     quick : bool
-        Each case once with each element; else on all meshes, and the rates of convergence.
+        Each case once with each element and degree, but those that take long; else on all meshes, and the rates of
+        convergence.
     out : Path, optional
         Folder for verification.html, verification.csv and the charts: all of them or none.
     cases : Cases, optional
@@ -48,7 +49,7 @@ def verify(quick: bool = False, out: Path | None = None, cases: Iterable[Case] |
         blocks.append(block)
         _print_block(console, block)
     report = Report(tuple(blocks), time.perf_counter() - begin, quick)
-    for words in not_run():
+    for words in not_run(quick, cases):
         console.print(words, markup=False)
     facts = machine()
     console.print(one_line(facts), markup=False)
@@ -59,13 +60,16 @@ def verify(quick: bool = False, out: Path | None = None, cases: Iterable[Case] |
     return report
 
 
-def not_run() -> list[str]:
-    """Which of the collected references no case runs, and why: lines of text."""
+def not_run(quick: bool, cases: Iterable[Case] | None = None) -> list[str]:
+    """Cases left to the full suite, collected references that no case runs, and why: lines of text."""
+    from verification.cases import all_cases
     from verification.cases.collected import collected, left_out
 
+    longer = [one.id for one in (all_cases() if cases is None else cases) if not one.quick_runs]
     reasons = left_out()
     count = sum(len(some) for some in reasons.values())
     return [
+        *([f"left to the full suite, for time: {', '.join(longer)}"] if quick and longer else []),
         f"not run: {count} of {len(collected())} collected references",
         *(
             f"  {len(some)}, {reason}: {', '.join(one.id for one in some)}"

@@ -83,7 +83,7 @@ class Report:
 
 
 def run_blocks(quick: bool, cases: Iterable[Case] | None = None) -> Iterator[Block]:
-    """Solve, one block at a time. Quick: each case once with each element. Full: on all meshes, and the rates."""
+    """Solve, one block at a time. Quick: once with each element and degree. Full: on all meshes, and the rates."""
     for case in all_cases() if cases is None else cases:
         for run in case.quick_runs if quick else case.runs:
             yield _solved(case, run)

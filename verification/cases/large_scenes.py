@@ -75,9 +75,9 @@ def strip(n: int, length: float, load: Any, **changes: Any) -> ks.Scene:
     return ks.Scene(**{**data, **changes})
 
 
-def cantilever(n: int = 8) -> ks.Scene:
+def cantilever(n: int = 8, share: float = 1.0) -> ks.Scene:
     """3.1: end shear 4."""
-    return strip(n, 10.0, ks.LineForce("x1", (0, 0, 4.0)), title="cantilever under end shear")
+    return strip(n, 10.0, ks.LineForce("x1", (0, 0, 4.0 * share)), title="cantilever under end shear")
 
 
 def elastica(alpha: float, n: int = 8) -> ks.Scene:
@@ -87,7 +87,13 @@ def elastica(alpha: float, n: int = 8) -> ks.Scene:
     )
 
 
-def roll_up(turns: int = 1, n: int = 24) -> ks.Scene:
+def heavy(weight: float, n: int = 8) -> ks.Scene:
+    """A thin cantilever under its own weight: rho g t L^3 / EI."""
+    load = ks.Gravity((0, 0, -10.0 * weight))
+    return strip(n, 10.0, load, thickness=0.01, material=ks.Isotropic(1.2e9, 0.0, density=1.0))
+
+
+def roll_up(turns: float = 1, n: int = 24) -> ks.Scene:
     """3.2: an end moment 2 pi EI / L per turn; a plane of symmetry keeps the strip straight."""
     return strip(
         n, 12.0, ks.EdgeMoment("x1", -50 * np.pi / 3 * turns),
@@ -95,18 +101,18 @@ def roll_up(turns: int = 1, n: int = 24) -> ks.Scene:
     )  # fmt: skip
 
 
-def slit_annulus(radial: int = 6, around: int = 30) -> ks.Scene:
+def slit_annulus(radial: int = 6, around: int = 30, share: float = 1.0) -> ks.Scene:
     """3.3: lifted along one side of the slit, clamped at the other."""
     chart = ks.geometry.Chart.from_expressions("v*cos(u)", "-v*sin(u)", "0*u")
     return ks.Scene(
         mesh=rectangle(2 * np.pi, 4.0, around, radial, y=6.0), chart=chart,
         thickness=0.03, material=ks.Isotropic(21e6, 0.0),
-        supports=[ks.Clamped("x0")], loads=[ks.LineForce("x1", (0, 0, 0.8))], title="slit annulus",
+        supports=[ks.Clamped("x0")], loads=[ks.LineForce("x1", (0, 0, 0.8 * share))], title="slit annulus",
         solve={"element": "koiter", "order": 2},
     )  # fmt: skip
 
 
-def pull_out(n_axis: int = 8, n_around: int = 12, order: int = 2) -> ks.Scene:
+def pull_out(n_axis: int = 8, n_around: int = 12, order: int = 2, share: float = 1.0) -> ks.Scene:
     """3.5: an eighth of an open cylinder pulled by 40000 at A; B on the side, C on the side at the free end."""
     R, half = 4.953, 0.5 * 10.35
     chart = ks.geometry.Chart.from_expressions(f"{R}*sin(u)", "v", f"{R}*cos(u)")
@@ -114,24 +120,30 @@ def pull_out(n_axis: int = 8, n_around: int = 12, order: int = 2) -> ks.Scene:
         mesh=rectangle(0.5 * np.pi, half, n_around, n_axis), chart=chart, thickness=0.094,
         material=ks.Isotropic(10.5e6, 0.3125),
         supports=[ks.Symmetry("x0"), ks.Symmetry("x1"), ks.Symmetry("y0")],
-        loads=[ks.PointForce((0, 0, R), (0, 0, 1e4))],
+        loads=[ks.PointForce((0, 0, R), (0, 0, 1e4 * share))],
         probes={"A": (0, 0, R), "B": (R, 0, 0), "C": (R, half, 0)},
         title="pull-out of an open cylinder", solve={"element": "koiter", "order": order},
     )  # fmt: skip
 
 
-def roof(n: int = 4, layered: bool = False, order: int = 3, share: float = 1.0) -> ks.Scene:
-    """3.8: a quarter of a shallow roof, hinged at its straight sides, under a force of 3000 at the crown."""
+def roof(
+    n: int = 4, layup: tuple[int, ...] = (), thickness: float = 12.7, order: int = 3, share: float = 1.0
+) -> ks.Scene:
+    """3.8: a quarter of a shallow roof, hinged at its straight sides, under a force of 3000 at the crown.
+
+    ``layup`` has the angles of fibres from the axis, bottom to top; the material is isotropic without.
+    """
     chart = ks.geometry.Chart.from_expressions("2540*sin(u/2540)", "v", "2540*cos(u/2540)")
-    section: dict[str, Any] = {"thickness": 12.7, "material": ks.Isotropic(3102.75, 0.3)}
-    if layered:
+    section: dict[str, Any] = {"thickness": thickness, "material": ks.Isotropic(3102.75, 0.3)}
+    if layup:
         ply = ks.Orthotropic(E1=3300.0, E2=1100.0, nu12=0.25, G12=660.0)
-        section = {"layers": [ks.Layer(ply, 12.7 / 3, angle) for angle in (90.0, 0.0, 90.0)]}
+        # angles of a scene are counted from x, which is around the roof
+        section = {"layers": [ks.Layer(ply, thickness / len(layup), 90.0 - angle) for angle in layup]}
     return ks.Scene(
         mesh=rectangle(254.0, 254.0, n, n), chart=chart, **section,
         supports=[ks.Symmetry("x0"), ks.Symmetry("y0"), ks.SimplySupported("x1")],
         loads=[ks.PointForce((0, 0, 2540), (0, 0, -750.0 * share))], probes={"crown": (0, 0, 2540)},
-        title="hinged roof" + (" 0/90/0" if layered else ""), solve={"element": "koiter", "order": order},
+        title=" ".join(["hinged roof", "/".join(map(str, layup))]).strip(), solve={"element": "koiter", "order": order},
     )  # fmt: skip
 
 
@@ -142,4 +154,30 @@ def von_karman(Q: float, n: int = 12) -> ks.Scene:
         mesh=ellipse(n, order=2, quarter=True), thickness=h, material=ks.Isotropic(1.0, 0.3),
         supports=[ks.Clamped("edge"), ks.Symmetry("x0"), ks.Symmetry("y0")], loads=[ks.Pressure(Q * h**4)],
         probes={"centre": (0, 0, 0)}, title="clamped circular plate", solve={"model": "shell"},
+    )  # fmt: skip
+
+
+def clamped_square(Q: float, n: int = 8, nu: float = 0.3) -> ks.Scene:
+    """A quarter of a clamped square plate, a = 1, h = 0.002, whose sides do not move, under the pressure Q E h^4."""
+    h = 0.002
+    return ks.Scene(
+        mesh=rectangle(0.5, 0.5, n, n), thickness=h, material=ks.Isotropic(1.0, nu),
+        supports=[ks.Clamped(["x0", "y0"]), ks.Symmetry(["x1", "y1"])], loads=[ks.Pressure(Q * h**4)],
+        probes={"centre": (0.5, 0.5, 0)}, title="clamped square plate", solve={"model": "shell"},
+    )  # fmt: skip
+
+
+def semi_cylinder(n: int = 8, share: float = 1.0) -> ks.Scene:
+    """3.7: half of a semi-cylinder, one end clamped, pinched by a force of 2000 at the crown of its free end.
+
+    Its straight sides may slide on a plane, but neither lift nor turn about themselves.
+    """
+    R = 101.6
+    chart = ks.geometry.Chart.from_expressions(f"{R}*sin(u)", "v", f"{R}*cos(u)")
+    return ks.Scene(
+        mesh=rectangle(0.5 * np.pi, 304.8, n, n), chart=chart, thickness=3.0,
+        material=ks.Isotropic(2068.5, 0.3),
+        supports=[ks.Clamped("y1"), ks.Symmetry("x0"), ks.Fixed("x1", "zr")],
+        loads=[ks.PointForce((0, 0, R), (0, 0, -1000.0 * share))], probes={"crown": (0, 0, R)},
+        title="pinched semi-cylinder", solve={"element": "koiter", "order": 3},
     )  # fmt: skip
