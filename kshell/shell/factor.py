@@ -44,7 +44,9 @@ class Factoriser:
     @cached_property
     def _place(self) -> Ints:
         """(free,) place of each free unknown: that of the first unknown it moves."""
-        order = np.argsort(self._energy.elimination[self._basis.indices[self._basis.indptr[:-1]]], kind="stable")
+        order = np.argsort(
+            self._energy.elimination[self._basis.indices[self._basis.indptr[:-1]]], kind="stable"
+        )
         place = np.empty(len(order), dtype=np.int32)
         place[order] = np.arange(len(order), dtype=np.int32)
         return place
@@ -83,7 +85,9 @@ class Factoriser:
         if pattern is None or not pattern.fits(matrix):
             pattern = ReducedPattern(matrix, self._basis, None if lower else self._place, lower)
             self._patterns[lower] = pattern
-            self._solvers = {kind: solver for kind, solver in self._solvers.items() if (kind is SuperLU) == lower}
+            self._solvers = {
+                kind: solver for kind, solver in self._solvers.items() if (kind is SuperLU) == lower
+            }
         return pattern, pattern.entries(matrix)
 
     def _with(self, kind: type, matrix: sp.csr_matrix) -> Factor:

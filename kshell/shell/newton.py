@@ -43,7 +43,9 @@ def correct(problem: Problem, state: State, factor: float) -> State:
     first, work, definite = 0.0, np.inf, state.negative == 0
     tangent: Factor | None = None
     for iteration in range(1, MOST_ITERATIONS + 1):
-        energy, residual, growth = problem.evaluate(x, factor, 2 if tangent is None else 1, state.memory, stress)
+        energy, residual, growth = problem.evaluate(
+            x, factor, 2 if tangent is None else 1, state.memory, stress
+        )
         if not np.isfinite(energy.value):
             break
         if iteration == 1 and moved:
