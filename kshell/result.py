@@ -95,7 +95,7 @@ class Result:
     analysis: str = "static"
     frame: str = "global x, y"
     probes: dict[str, dict[str, Any]] = field(default_factory=dict)
-    reactions: dict[str, dict[str, Any]] = field(default_factory=dict)
+    reactions: Mapping[str, MutableMapping[str, Any]] = field(default_factory=dict)
     balance: float = 0.0
     strain_energy: float = 0.0
     external_work: float = 0.0

@@ -58,7 +58,7 @@ class Bending(Form):
 
     def __post_init__(self) -> None:
         constant = self.section.constant_per_triangle
-        self._constant = self.section.bending_per_triangle() if constant else None
+        self.constant = self.section.bending_per_triangle() if constant else None
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         for block in self.domain.blocks():
@@ -66,8 +66,8 @@ class Bending(Form):
 
     def matrices(self, positions: Ints, transform: Floats) -> Floats:
         affine = self.domain.affine(positions)
-        if self._constant is not None and not self.domain.is_curved[positions[0]]:
-            return matrices.stiffness(self.element, affine, self._constant[positions], transform)
+        if self.constant is not None and not self.domain.is_curved[positions[0]]:
+            return matrices.stiffness(self.element, affine, self.constant[positions], transform)
         patch = next(self.domain.patches(self._degree(), positions))
         kappa = matrices.rows(self.element, affine, patch.xi, 2, transform)
         return matrices.integrate_products(
@@ -75,16 +75,16 @@ class Bending(Form):
         )
 
     def products(self, positions: Ints, transform: Floats, motion: Floats) -> Floats:
-        if self._constant is None or self.domain.is_curved[positions[0]]:
+        if self.constant is None or self.domain.is_curved[positions[0]]:
             return super().products(positions, transform, motion)
         force = matrices.stiffness_product(
-            self.element, self.domain.affine(positions), self._constant[positions], motion[..., 0]
+            self.element, self.domain.affine(positions), self.constant[positions], motion[..., 0]
         )
         return (force[:, None] @ transform)[:, 0]
 
     def _degree(self) -> int:
         bending_degree = 2 * (self.element.maxdeg - 2)
-        return bending_degree if self._constant is not None else bending_degree + VARIABLE_DEGREE - 6
+        return bending_degree if self.constant is not None else bending_degree + VARIABLE_DEGREE - 6
 
     def stiffness(self, triangles: Ints, xy: Floats, weights: Floats) -> Floats:
         """D times the quadrature weights at points (n, point, 2): (n, point, 3, 3)."""
@@ -92,8 +92,8 @@ class Bending(Form):
 
     def at(self, triangles: Ints, xy: Floats) -> Floats:
         """D at points (n, point, 2) of triangles (n,)."""
-        if self._constant is not None:
-            return np.broadcast_to(self._constant[triangles][:, None], (*xy.shape[:2], 3, 3))
+        if self.constant is not None:
+            return np.broadcast_to(self.constant[triangles][:, None], (*xy.shape[:2], 3, 3))
         z = np.broadcast_to(self.domain.mesh.points[0, 2], (*xy.shape[:2], 1))
         return self.section.bending(triangles, np.concatenate([xy, z], axis=2))
 

@@ -71,7 +71,8 @@ class AreaLoad:
     def _degree(self) -> int:
         return self.element.maxdeg + (LOAD_DEGREE if callable(self.pressure) else 0)
 
-    def _values(self, triangles: Ints, xy: Floats) -> Floats:
+    def values(self, triangles: Ints, xy: Floats) -> Floats:
+        """Pressure (n, point) at points (n, point, 2) of triangles (n,)."""
         if callable(self.pressure):
             return self.pressure(triangles, xy)
         return np.full(xy.shape[:2], self.pressure)
@@ -83,7 +84,7 @@ class AreaLoad:
             pressure = np.full(len(positions), self.pressure)
             return matrices.load(self.element, affine, pressure, transform)
         patch = next(self.domain.patches(self._degree(), positions))
-        weight = patch.weights * self._values(patch.triangles, patch.xy)
+        weight = patch.weights * self.values(patch.triangles, patch.xy)
         basis = self.element.basis.tabulate(patch.xi, 0)[..., 0, :]  # (..., point, reference dof)
         reference = weight @ basis if basis.ndim == 2 else (weight[:, None] @ basis)[:, 0]
         return (reference[:, None] @ transform)[:, 0]
@@ -95,12 +96,12 @@ class AreaLoad:
     def resultant(self, origin: Floats) -> Floats:
         total = np.zeros(3)
         for patch in self._patches():
-            force = patch.weights * self._values(patch.triangles, patch.xy)
+            force = patch.weights * self.values(patch.triangles, patch.xy)
             total += resultant_of(force, patch.xy, origin)
         return total
 
     def gross(self, size: float) -> float:
-        return float(sum(np.abs(p.weights * self._values(p.triangles, p.xy)).sum() for p in self._patches()))
+        return float(sum(np.abs(p.weights * self.values(p.triangles, p.xy)).sum() for p in self._patches()))
 
 
 @dataclass

@@ -7,15 +7,18 @@ vertex that several supports hold is shared equally between them.
 
 from __future__ import annotations
 
+from collections.abc import MutableMapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.deferred import Deferred
 from kshell.plate.assembly import residual
+from kshell.plate.corner_forces import CornerForces
 from kshell.plate.domain import Domain
-from kshell.plate.forms import Form
+from kshell.plate.forms import Bending, Form
 from kshell.plate.layout import Layout
 from kshell.plate.loading import LinearForm
 from kshell.plate.recovery import Fields
@@ -39,7 +42,7 @@ class Reactions:
         What loads and reactions leave over, relative to the largest of them.
     """
 
-    groups: dict[str, dict[str, Any]]
+    groups: dict[str, MutableMapping[str, Any]]
     balance: float
 
 
@@ -47,10 +50,11 @@ class ReactionFinder:
     """Collects reactions group by group."""
 
     def __init__(
-        self, domain: Domain, layout: Layout, reduction: Reduction, supports: Supports, bending: Form
+        self, domain: Domain, layout: Layout, reduction: Reduction, supports: Supports, bending: Bending
     ) -> None:
         self.domain, self.layout, self.reduction, self.supports = domain, layout, reduction, supports
-        self.forms = [bending, *[form for _, form in [*supports.springs, *supports.holds]]]
+        self.bending = bending
+        self.forms: list[Form] = [bending, *[form for _, form in [*supports.springs, *supports.holds]]]
         mesh = domain.mesh
         self.centre = 0.5 * (domain.points.min(axis=0) + domain.points.max(axis=0))
         self.size = float(np.abs(domain.points - self.centre).max())
@@ -76,11 +80,8 @@ class ReactionFinder:
         for load in self.supports.hold_loads:
             label = next(name for name, form in self.supports.holds if form is load.hold)
             totals[label] = totals[label] + self._rigid_work(load)
-        corners = self._corner_forces(fields)
-        groups = {
-            label: self._document(total, [c for c in corners if label in c["groups"]])
-            for label, total in totals.items()
-        }
+        corners = CornerForces(self.domain, self.reduction, self.supports, self.bending, loads, fields)
+        groups = {label: self._document(label, total, corners) for label, total in totals.items()}
         return Reactions(groups, self._balance(totals, loads))
 
     def _shares(self) -> Floats:
@@ -168,14 +169,25 @@ class ReactionFinder:
         out[:, 3 * b :, 2] = -affine.normals[..., 0]
         return out
 
-    def _document(self, total: Floats, corners: list[dict[str, Any]]) -> dict[str, Any]:
+    def _document(self, label: str, total: Floats, corners: CornerForces) -> MutableMapping[str, Any]:
         force, mx, my = total
         # from the centre to the origin of the coordinates: M + r x F
         moment = np.array([mx + self.centre[1] * force, my - self.centre[0] * force, 0.0])
         out: dict[str, Any] = {"force": np.array([0.0, 0.0, force]), "moment": moment}
-        if corners:
-            out["corners"] = [{"at": c["at"], "force": c["force"]} for c in corners]
-        return out
+        mine = [k for k, corner in enumerate(corners.corners) if label in corner.groups]
+        if not mine:
+            return out
+        points = self.domain.mesh.points
+
+        def concentrated() -> list[dict[str, Floats]]:
+            return [
+                {"at": points[corners.corners[k].vertex], "force": np.array([0.0, 0.0, corners.forces[k]])}
+                for k in mine
+            ]
+
+        return Deferred(
+            {"force": lambda: out["force"], "moment": lambda: out["moment"], "corners": concentrated}
+        )
 
     def _balance(self, totals: dict[str, Floats], loads: list[LinearForm]) -> float:
         """Error of equilibrium of forces, and of moments about the centre, relative to what acts."""
@@ -186,68 +198,3 @@ class ReactionFinder:
             return 0.0
         largest = max(float(np.abs(parts).max()), *(load.gross(self.size) for load in loads), 1e-300)
         return float(np.abs(np.sum(parts, axis=0)).max() / largest)
-
-    def _corner_forces(self, fields: Fields) -> list[dict[str, Any]]:
-        """Concentrated reactions at corners where an edge that holds w ends: the jump of M_nt.
-
-        The other edge of the corner may hold w, too, or be free: a plate on two opposite sides has them.
-        """
-        if not fields.polynomial_moments:
-            return []
-        mesh, boundary = self.domain.mesh, self.domain.boundary
-        edge_groups: dict[int, list[str]] = {}
-        for group in self.supports.held:
-            for e in group.line.tolist():
-                edge_groups.setdefault(e, []).append(group.label)
-        if not edge_groups:
-            return []
-        supported = np.array([e for e in edge_groups if mesh.edge_counts[e] == 1], dtype=np.int64)
-        at_support = np.zeros(len(mesh.points), dtype=bool)
-        at_support[mesh.edges[supported]] = True
-        held = at_support[mesh.edges[boundary.edges]]  # (boundary edge, end)
-        around: dict[int, list[tuple[int, int]]] = {}
-        for k, end in np.argwhere(held).tolist():
-            around.setdefault(int(mesh.edges[boundary.edges[k], end]), []).append((k, end))
-        tangents = boundary.tangent
-        corners = []
-        for v, pair in around.items():
-            if len(pair) == 2:
-                (ax, ay), (bx, by) = (tangents[k, end] for k, end in pair)
-                if abs(ax * by - ay * bx) > 1e-6:
-                    corners.append((v, pair))
-        if not corners:
-            return []
-        place, side = np.array([pair for _, pair in corners]).reshape(-1, 2).T
-        twist = (
-            self._twist(fields, boundary.edges[place], side, tangents[place, side]).reshape(-1, 2).sum(axis=1)
-        )
-        return [
-            {
-                "at": mesh.points[v],
-                "force": np.array([0.0, 0.0, force]),
-                "groups": sorted(
-                    {name for k, _ in pair for name in edge_groups.get(int(boundary.edges[k]), [])}
-                ),
-            }
-            for (v, pair), force in zip(corners, twist, strict=True)
-        ]
-
-    def _twist(self, fields: Fields, edges: Ints, end: Ints, tangent: Floats) -> Floats:
-        """M_nt (n,) at one end of boundary edges walked with the plate on the left, minus where the walk ends there.
-
-        ``tangent`` (n, 2) points from the lower to the higher vertex.
-        """
-        mesh = self.domain.mesh
-        triangle, local = mesh.edge_owner[edges].astype(np.int64).T
-        # local edge k starts at local vertex k, walked counter-clockwise
-        forward = np.where(mesh.edges[edges, 0] == mesh.triangles[triangle, local], 1.0, -1.0)
-        leaves = np.where(end == 0, forward, -forward)
-        t = tangent * forward[:, None]
-        n = np.stack([t[:, 1], -t[:, 0]], axis=1)
-        xy = self.domain.points[mesh.edges[edges, end]][:, None]
-        xi = self.domain.affine(triangle).reference_coordinates(xy)
-        xx, yy, both = fields.moment(triangle, xi, xy)[:, 0].T
-        value = (
-            n[:, 0] * t[:, 0] * xx + n[:, 1] * t[:, 1] * yy + (n[:, 0] * t[:, 1] + n[:, 1] * t[:, 0]) * both
-        )
-        return leaves * value

@@ -87,11 +87,11 @@ SMOOTH = [
     Rate("ssss.sinus.ba1", "argyris", "compliance", (4, 16), 8),
     Rate("ssss.sinus.ba1", "argyris", "w_c", (4, 16), 6),
     Rate("ssss.sinus.ba1", "argyris", "Mx_c", (8, 32), 4),
-    Rate("ssss.sinus.ba1", "argyris", "R", (8, 32), 4),
-    # uniform pressure: w has r^4 log r in the corners, felt by the corner force alone
+    Rate("ssss.sinus.ba1", "argyris", "R", (4, 16), 6),
+    # uniform pressure: w has r^4 log r in the corners; the forces there are averages of w
     Rate("ssss.uniform.ba1", "argyris", "w_c", (4, 16), 5.6),
     Rate("ssss.uniform.ba1", "argyris", "V_x0", (8, 32), 4),
-    Rate("ssss.uniform.ba1", "argyris", "R", (8, 32), 2),
+    Rate("ssss.uniform.ba1", "argyris", "R", (2, 8), 6),
     Rate("clamped.uniform.ba1", "argyris", "w_c", (4, 16), 6),
     Rate("clamped.uniform.ba1", "argyris", "Mx_edge", (4, 16), 5),
     Rate("levy.SFSC.ba1.5", "argyris", "w_c", (4, 16), 6.3),
