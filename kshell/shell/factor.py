@@ -80,7 +80,7 @@ class Factoriser:
             raise SolveError("the tangent stiffness is singular") from error
 
     def reduced(self, matrix: sp.csr_matrix, lower: bool = True) -> tuple[ReducedPattern, Floats]:
-        """Pattern and entries of the matrix in the free unknowns, as the solvers take it: its lower triangle, or whole."""
+        """Pattern and entries of the matrix in the free unknowns: its lower triangle, or all of it."""
         pattern = self._patterns.get(lower)
         if pattern is None or not pattern.fits(matrix):
             pattern = ReducedPattern(matrix, self._basis, None if lower else self._place, lower)
