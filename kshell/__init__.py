@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from kshell.errors import InputError, KshellError, KshellWarning, SolveError
 
 if TYPE_CHECKING:
+    from kshell.imperfection import Imperfection
     from kshell.laminate import Layer
     from kshell.loads import (
         EdgeMoment,
@@ -43,6 +44,7 @@ __all__ = [
     "Free",
     "Gravity",
     "Hinge",
+    "Imperfection",
     "InitialCurvature",
     "InputError",
     "Isotropic",
@@ -71,6 +73,7 @@ __all__ = [
 # name: where it lives
 _LAZY = {
     **dict.fromkeys(("Isotropic", "Orthotropic", "Anisotropic"), "kshell.material"),
+    "Imperfection": "kshell.imperfection",
     "Layer": "kshell.laminate",
     **dict.fromkeys(
         ("Clamped", "SimplySupported", "Symmetry", "Free", "Hinge", "Fixed", "Elastic"), "kshell.supports"

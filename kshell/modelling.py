@@ -102,6 +102,15 @@ def _require_sense(scene: Scene, options: SolveOptions) -> None:
         )
     if options.large_asked:
         _require_large(options)
+    for key, given in (("control", options.control is not None), ("branch", options.branch != 0)):
+        if given and options.analysis != "path":
+            raise InputError(
+                f'{key} is for analysis = "path" (kshell trace): leave it out, or follow the path'
+            )
+    if options.control is not None and options.branch:
+        raise InputError(
+            "control and branch given: a branch is followed by its length, leave one of them out"
+        )
     followers = [load for load in scene.loads if getattr(load, "follower", False)]
     if followers and options.large_deflection is False and options.analysis == "static":
         raise InputError(
@@ -116,6 +125,7 @@ def _require_plate(scene: Scene) -> None:
     """Refuse what a plate does not have, rather than leave it out."""
     shells_only = [str(support) for support in scene.supports if support.kind == "hinge"]
     shells_only += [f"offset = {scene.offset:g}"] if scene.offset != 0.0 else []
+    shells_only += ["imperfection"] if scene.imperfection is not None else []
     shells_only += ["direction"] if scene.direction is not None else []
     if shells_only:
         raise InputError(f'{shells_only[0]} is for shells: take model = "shell", or leave it out')
@@ -157,6 +167,8 @@ def _stretching(scene: Scene, mesh: Mesh) -> Iterator[str]:
         yield "the layers are not symmetric about their middle, so bending stretches them"
     if scene.offset != 0.0:
         yield "the material lies off the mesh, so bending stretches it"
+    if scene.imperfection is not None:
+        yield "its imperfection curves it"
     for support in scene.supports:
         if support.kind == "hinge":
             yield f"{support} is a hinge line"
@@ -212,6 +224,8 @@ def _on_chart(scene: Scene, mesh: Mesh, options: SolveOptions, why: str) -> Mode
 
 def _beyond_argyris(scene: Scene) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
+    if scene.imperfection is not None:
+        return "the imperfection moves its nodes"
     for support in scene.supports:
         if support.kind in ("hinge", "elastic"):
             return f"{support} needs it"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import fields
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
-from kshell.validation import described
+from kshell.errors import InputError
+from kshell.validation import Number, described
 
 
 def _large(value: Any) -> Any:
@@ -19,6 +21,44 @@ def _large(value: Any) -> Any:
 def _steps(value: Any) -> Any:
     if value != "auto" and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
         raise ValueError('must be "auto" or a whole number > 0')
+    return value
+
+
+@described("control")
+class Control:
+    """A displacement that is prescribed along a path; the load factor is what it takes.
+
+    Attributes
+    ----------
+    probe : str
+        Name of a probe of the scene.
+    component : "x", "y" or "z"
+    to : float
+        Last value of this component of its displacement.
+    """
+
+    probe: str
+    component: Literal["x", "y", "z"]
+    to: Number
+
+    def __post_init__(self) -> None:
+        if self.to == 0.0:
+            raise InputError("control: to = 0 goes nowhere: give the last displacement of the probe")
+
+
+def _control(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return Control(**value)
+    if value is not None and not isinstance(value, Control):
+        raise ValueError('must be a table such as {probe = "tip", component = "z", to = -0.1}')
+    return value
+
+
+def _branch(value: Any) -> Any:
+    if isinstance(value, bool) or value not in (-1, 0, 1):
+        raise ValueError(
+            "must be 0 (stay on the path), 1 or -1 (leave it along the critical mode, or against it)"
+        )
     return value
 
 
@@ -43,6 +83,11 @@ class SolveOptions:
         How the linear system is solved.
     steps : "auto" or int
         First guess of the number of load steps; they adapt. "auto": 10 on a path, 1 otherwise.
+    control : Control or dict, optional
+        Of a path: the displacement of a probe grows in steps instead of the load.
+    branch : 0, 1 or -1
+        Of a path: what to do at its first bifurcation: stay on it, or follow the branch that leaves along the
+        critical mode, or against it.
     """
 
     analysis: Literal["static", "path"] = "static"
@@ -52,6 +97,8 @@ class SolveOptions:
     large_deflection: Annotated[Any, BeforeValidator(_large)] = "auto"
     solver: Literal["auto", "direct", "multigrid"] = "auto"
     steps: Annotated[Any, BeforeValidator(_steps)] = "auto"
+    control: Annotated[Any, BeforeValidator(_control)] = None
+    branch: Annotated[Any, BeforeValidator(_branch)] = 0
 
     @property
     def large_asked(self) -> bool:
@@ -66,4 +113,4 @@ class SolveOptions:
         InputError
             If an option does not exist or has a value that does not.
         """
-        return SolveOptions(**{**asdict(self), **changes})
+        return SolveOptions(**{f.name: getattr(self, f.name) for f in fields(self)} | changes)

@@ -72,8 +72,8 @@ class Result:
     path : list of dict
         Of large deflections: per converged step factor, probes, iterations, and whether it is stable.
     critical : list of dict
-        Limit points and bifurcations passed: kind, factor and the number of the step after it. Their modes are
-        the fields mode_1, mode_2, ...
+        Limit points and bifurcations passed: kind, factor, the number of the step after it, and whether the path was
+        followed, branched or jumped then. Their modes are the fields mode_1, mode_2, ...
     series : list of (factor, callable)
         Per entry of `path` a function that gives its Result.
     evaluate : callable, optional

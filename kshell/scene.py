@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import BeforeValidator
 
 from kshell.errors import InputError
+from kshell.imperfection import Imperfection
 from kshell.laminate import Layer
 from kshell.loads import Load
 from kshell.mesh.mesh import Mesh
@@ -114,6 +115,8 @@ class Scene:
     direction : (x, y, z), optional
         From its projection on the shell the angle of the material axes counts; without it from that of x (of y
         where x is normal). Shells only.
+    imperfection : Imperfection or dict, optional
+        Of the shape; Koiter shells only.
     supports : sequence of Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic
     loads : sequence of Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment,
         Temperature, InitialCurvature
@@ -146,6 +149,7 @@ class Scene:
     chart: Annotated[Any, BeforeValidator(_chart)] = None
     offset: Number = 0.0
     direction: Annotated[Any, BeforeValidator(_direction)] = None
+    imperfection: Any = None
     mesh_size: Number | None = None
     mesh_order: Literal[1, 2] | None = None
     geometry: Annotated[Any, BeforeValidator(_geometry)] = None
@@ -160,6 +164,13 @@ class Scene:
             object.__setattr__(self, key, _all_of(getattr(self, key), cls, key, words))
         if self.layers is not None:
             object.__setattr__(self, "layers", _all_of(self.layers, Layer, "layers", "a ks.Layer(...)"))
+        if isinstance(self.imperfection, Mapping):
+            object.__setattr__(self, "imperfection", Imperfection(**self.imperfection))
+        if not isinstance(self.imperfection, Imperfection | None):
+            raise InputError(
+                f"scene: imperfection = {self.imperfection!r}: must be a ks.Imperfection(...), for example "
+                "ks.Imperfection(amplitude=0.001)"
+            )
         if isinstance(self.solve, Mapping):
             object.__setattr__(self, "solve", SolveOptions(**self.solve))
         if not isinstance(self.solve, SolveOptions):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from kshell.errors import InputError
+from kshell.imperfection import Imperfection
 from kshell.laminate import Layer
 from kshell.loads import LOADS
 from kshell.material import Anisotropic, Isotropic, Orthotropic
@@ -29,6 +30,7 @@ KEYS = [
     "layer",
     "material",
     "chart",
+    "imperfection",
     "support",
     "load",
     "probe",
@@ -133,6 +135,9 @@ def scene_from_dict(data: Mapping[str, Any], folder: Path, source: str) -> Scene
     if "chart" in data:
         with _inside(f"{source}, [chart]"):
             arguments["chart"] = chart_from_dict(_table(data["chart"]))
+    if "imperfection" in data:
+        with _inside(f"{source}, [imperfection]", "imperfection: "):
+            arguments["imperfection"] = imperfection_from_dict(_table(data["imperfection"]), folder)
     arguments["supports"] = _each(data.get("support", []), "support", source, support_from_dict)
     arguments["loads"] = _each(data.get("load", []), "load", source, load_from_dict)
     arguments["probes"] = _probes(data.get("probe", []), source)
@@ -169,6 +174,12 @@ def chart_from_dict(data: dict[str, Any]) -> Any:
     if "kind" not in data:
         raise InputError('kind is missing: for example kind = "cylinder" with R = 25.0')
     return ready_chart(data.pop("kind"), **data)
+
+
+def imperfection_from_dict(data: dict[str, Any], folder: Path) -> Imperfection:
+    """An imperfection; a relative path is relative to the folder."""
+    found = Imperfection(**data)
+    return found if found.file is None else Imperfection(**{**data, "file": folder / found.file})
 
 
 def support_from_dict(data: dict[str, Any]) -> Any:

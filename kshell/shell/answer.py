@@ -15,8 +15,10 @@ from kshell.shell.equilibrium import State
 from kshell.shell.fields import ShellFields
 from kshell.shell.large import Trace
 from kshell.shell.linear import LinearSolution
+from kshell.shell.path import Critical
 from kshell.shell.problem import ShellProblem
 from kshell.shell.scene_reactions import find_reactions
+from kshell.shell.work import external_work
 
 Floats = NDArray[np.float64]
 
@@ -31,39 +33,36 @@ def answer_linear(problem: ShellProblem, solution: LinearSolution) -> Result:
     return _answer(problem, solution, small_fields(problem, solution.x), problem.loads.forces)
 
 
-def answer_state(problem: ShellProblem, state: State) -> Result:
-    """The result of one state of large deflections."""
+def answer_state(problem: ShellProblem, state: State, work: float) -> Result:
+    """The result of one state of large deflections, to which the loads did some work."""
     _, residual, _ = problem.equilibrium().evaluate(state.x, state.factor, 1, state.memory)
     solution = LinearSolution(state.x, -residual, np.zeros(0), ())
     result = _answer(problem, solution, _state_fields(problem, state), problem.forces_at(state), state.x)
-    # loads that grow slowly from rest do the work that is stored; at edges their rotations are not kept
-    result.external_work = result.strain_energy
+    result.external_work = work
     return result
 
 
 def answer_trace(problem: ShellProblem, trace: Trace) -> Result:
     """The result of the last state, with the path to it."""
-    result = answer_state(problem, trace.states[-1])
+    works = external_work(problem.equilibrium(), trace.states)
+    result = answer_state(problem, trace.states[-1], works[-1])
     for number, state in enumerate(trace.states):
         last = number == len(trace.states) - 1
         values = result.probes if last else probes_of(problem, _state_fields(problem, state))[0]
         entry = {
-            "factor": state.factor,
+            "factor": float(state.factor),
             "probes": {name: {**p, "frame": FRAME} for name, p in values.items()},
         }
         entry |= {"iterations": state.iterations, "stable": state.negative == 0}
         result.path.append(entry)
-        result.series.append((state.factor, partial(answer_state, problem, state)))
+        result.series.append((state.factor, partial(answer_state, problem, state, works[number])))
     for number, (step, critical) in enumerate(trace.critical, 1):
-        result.critical.append(
-            {"kind": critical.kind, "factor": float(critical.state.factor), "before_step": step}
-        )
+        factor = float(critical.state.factor)
+        result.critical.append({"kind": critical.kind, "factor": factor, "before_step": step})
+        result.critical[-1] |= {"then": critical.then}
         mode = small_fields(problem, critical.mode)
         result.fields[f"mode_{number}"] = mode.vertex_fields["displacement"]
-        result.warnings.append(
-            f"the load passes a {critical.kind} point at the factor {critical.state.factor:.6g}: a real shell "
-            "jumps there to the next stable state"
-        )
+        result.warnings.append(_what_happens(critical, trace.states[step].factor))
     unstable = next((state for state in trace.states if state.negative > 0), None)
     if unstable is not None and trace.states[-1].negative > 0:
         result.warnings.append(
@@ -71,6 +70,22 @@ def answer_trace(problem: ShellProblem, trace: Trace) -> Result:
             "makes the shell buckle"
         )
     return result
+
+
+def _what_happens(critical: Critical, after: float) -> str:
+    """At a critical point, in words."""
+    factor = critical.state.factor
+    if critical.kind == "jump":
+        return (
+            f"the path could not be followed beyond the factor {factor:.6g}: from there the shell jumps to a stable "
+            f"state at the factor {after:.6g}"
+        )
+    passes = f"the load passes a {critical.kind} point at the factor {factor:.6g}"
+    if critical.then == "branched":
+        return f"{passes}: the path goes on along the branch that leaves there"
+    if critical.then == "jumped":
+        return f"{passes}: the shell jumps there to another stable state, here at the factor {after:.6g}"
+    return f"{passes}: a real shell jumps there to the next stable state"
 
 
 def probes_of(problem: ShellProblem, fields: ShellFields) -> tuple[dict[str, dict[str, Any]], list[str]]:
@@ -91,7 +106,9 @@ def _state_fields(problem: ShellProblem, state: State) -> ShellFields:
 
 def _fields(problem: ShellProblem, recovery: Any) -> ShellFields:
     offset = problem.scene.offset
-    return ShellFields(problem.space, recovery, problem.section, offset, *problem.discretisation.patches())
+    patches, angles = problem.discretisation.patches()
+    find = problem.locator.find
+    return ShellFields(problem.space, recovery, problem.section, offset, patches, angles, find)
 
 
 def _answer(

@@ -14,7 +14,7 @@ from kshell.shell import chart_loads
 from kshell.shell.argyris import ChartKoiter
 from kshell.shell.chart_recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart_supports import ChartSupports
-from kshell.shell.chart_surface import ChartLike, ChartSurface
+from kshell.shell.chart_surface import ChartLike, ChartSurface, jets_of_basis
 from kshell.shell.discretisation import USE_KOITER, OfPlace
 from kshell.shell.section import Section
 from kshell.shell.supports import Reduction
@@ -124,6 +124,13 @@ class ArgyrisDiscretisation:
         """(unknowns,) the vertex of each unknown, one end for those of edges."""
         mesh = self.surface.mesh
         return np.concatenate([np.repeat(np.arange(len(mesh.points)), 18), np.repeat(mesh.edges[:, 0], 3)])
+
+    def translation_row(self, triangle: int, xi: Floats, axis: int) -> Floats:
+        """(unknowns,) whose product with x is a component of the displacement at a reference point (2,)."""
+        row = np.zeros(self.unknowns)
+        shape = self.surface.shape(jets_of_basis(xi[None])[:1], np.array([triangle]))
+        row[3 * self.surface.scalar[triangle].astype(np.int64) + axis] = shape[0, 0, 0]
+        return row
 
     def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> Any:
         """Not on this element.

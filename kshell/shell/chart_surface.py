@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.elements.affine import AffineTriangles
 from kshell.elements.argyris import ElementArgyris
 from kshell.elements.quadrature import triangle_rule
+from kshell.elements.reference import VERTICES
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.shell.vectors import cross, norm
@@ -57,7 +58,7 @@ class ChartSurface:
     Raises
     ------
     InputError
-        If the chart is singular at a quadrature point.
+        If the chart is singular at a vertex or quadrature point.
     """
 
     def __init__(self, mesh: Mesh, chart: ChartLike) -> None:
@@ -77,13 +78,14 @@ class ChartSurface:
         self.triangle_unknowns: Ints = components.reshape(len(self.scalar), 3 * len(basis)).astype(np.int32)
         self.positions, self.first, self.second = self.geometry(self.points)
         self.area_elements = norm(cross(*self.first))
-        self._check()
+        self._require_tangents(self.points, self.first)
+        self._require_tangents(VERTICES, self.geometry(VERTICES)[1])
 
-    def _check(self) -> None:
-        longest = np.maximum(norm(self.first[0]), norm(self.first[1])).max()
-        bad = np.argwhere(~(self.area_elements > 1e-10 * longest**2))
+    def _require_tangents(self, points: Floats, first: Floats) -> None:
+        longest = np.maximum(norm(first[0]), norm(first[1])).max()
+        bad = np.argwhere(~(norm(cross(*first)) > 1e-10 * longest**2))
         if len(bad):
-            u, v = self.parameters(self.points[bad[0, 1]], bad[0, :1])[0, 0]
+            u, v = self.parameters(points[bad[0, 1]], bad[0, :1])[0, 0]
             raise InputError(
                 f"the chart is singular at (u, v) = ({u:.6g}, {v:.6g}): its tangents are parallel or vanish there; "
                 "leave such a point out of the mesh"

@@ -60,7 +60,8 @@ class Checkpoints:
             If it cannot be written; earlier steps are untouched.
         """
         content: dict[str, Any] = {"fingerprint": self.fingerprint, **_state("", march.state)}
-        content["march"] = np.array([march.size, march.moved, march.rate, march.attempts])
+        numbers = [march.size, march.moved, march.rate, march.attempts, march.jumps, march.branched]
+        content["march"] = np.array(numbers)
         if march.crossing is not None:
             c = march.crossing
             content["crossing"] = np.array([c.steps, c.factor, c.negative, c.arc.length, c.arc.first])
@@ -68,6 +69,7 @@ class Checkpoints:
                 content["arc_moved"] = c.arc.moved
         if critical is not None:
             content |= {"critical_kind": critical.kind, "critical_mode": critical.mode}
+            content["critical_then"] = critical.then
             content |= _state("critical_", critical.state)
         path = self._path(number)
         unfinished = path.with_suffix(".npz-unfinished")
@@ -113,6 +115,7 @@ def _state(prefix: str, state: State) -> dict[str, Any]:
     out: dict[str, Any] = {
         f"{prefix}x": state.x,
         f"{prefix}state": np.array([state.factor, state.iterations, state.negative]),
+        f"{prefix}turned": state.turned,
     }
     if isinstance(state.memory, Directors):
         for name in ("vectors", "base", "angle"):
@@ -125,19 +128,24 @@ def _read_state(prefix: str, content: dict[str, Any], directors: bool) -> State:
     memory = None
     if directors:
         memory = Directors(*(content[f"{prefix}{name}"] for name in ("vectors", "base", "angle")))
-    return State(float(factor), content[f"{prefix}x"], memory, int(iterations), int(negative))
+    x, turned = content[f"{prefix}x"], content[f"{prefix}turned"]
+    return State(float(factor), x, memory, int(iterations), int(negative), turned)
 
 
 def _march(content: dict[str, Any], directors: bool) -> tuple[March, Critical | None]:
-    size, moved, rate, attempts = content["march"]
+    size, moved, rate, attempts, jumps, branched = content["march"]
     crossing = None
     if "crossing" in content:
         steps, factor, negative, length, first = content["crossing"]
         arc = Arc(float(length), float(first), content.get("arc_moved"))
         crossing = Crossing(arc, int(steps), float(factor), int(negative))
     state = _read_state("", content, directors)
-    march = March(state, float(size), float(moved), float(rate), int(attempts), crossing)
+    march = March(
+        state, float(size), float(moved), float(rate), int(attempts), int(jumps), bool(branched), crossing
+    )
     if "critical_kind" not in content:
         return march, None
     where = _read_state("critical_", content, directors)
-    return march, Critical(str(content["critical_kind"]), where, content["critical_mode"])
+    kind, mode = str(content["critical_kind"]), content["critical_mode"]
+    then: Any = str(content["critical_then"])
+    return march, Critical(kind, where, mode, then)

@@ -21,6 +21,7 @@ from kshell.shell.koiter import Koiter
 from kshell.shell.loads import edge_table, surface_points
 from kshell.shell.reactions import rotation_axes
 from kshell.shell.recovery import Resultants, displacement, energies, resultants
+from kshell.shell.reference import lagrange
 from kshell.shell.section import Section
 from kshell.shell.supports import Reduction, Supports
 from kshell.shell.surface import Surface
@@ -49,6 +50,8 @@ class KoiterDiscretisation:
         From parameters to the chart.
     hinges : (n,) int array
         Edges about which the sheets turn freely.
+    offsets : (node, 3), optional
+        By which the nodes are moved.
 
     Attributes
     ----------
@@ -61,8 +64,15 @@ class KoiterDiscretisation:
     name = "koiter"
     loads = loads
 
-    def __init__(self, mesh: Mesh, order: int, lift: Callable[[Floats], Floats] | None, hinges: Ints) -> None:
-        self.surface = Surface(mesh, order, lift, hinges)
+    def __init__(
+        self,
+        mesh: Mesh,
+        order: int,
+        lift: Callable[[Floats], Floats] | None,
+        hinges: Ints,
+        offsets: Floats | None = None,
+    ) -> None:
+        self.surface = Surface(mesh, order, lift, hinges, offsets)
         self.order = order
         self.unknowns = self.surface.unknowns
 
@@ -125,6 +135,13 @@ class KoiterDiscretisation:
         result = np.zeros(self.unknowns, dtype=np.int64)
         result[surface.triangle_unknowns] = surface.mesh.triangles[:, :1]
         return result
+
+    def translation_row(self, triangle: int, xi: Floats, axis: int) -> Floats:
+        """(unknowns,) whose product with x is a component of the displacement at a reference point (2,)."""
+        row = np.zeros(self.unknowns)
+        nodes = self.surface.triangle_nodes[triangle].astype(np.int64)
+        row[3 * nodes + axis] = lagrange(self.order, xi[None])[0]
+        return row
 
     def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         """Stiffness of springs along an axis, or against the rotation about an edge.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -109,6 +109,17 @@ class Problem:
         """The tangent in the free unknowns, factorised; serves until the next one. See `Factoriser.factorise`."""
         return self._factoriser.factorise(tangent, definite)
 
+    def pulled(self, spring: Floats, to: Floats) -> Problem:
+        """The same with springs that pull the unknowns to a place, (unknowns,) each."""
+        springs, constant = sp.diags(spring, format="csr"), spring * to
+        if self.springs is not None:
+            springs = (self.springs + springs).tocsr()
+        if self.constant is not None:
+            constant = self.constant + constant
+        out = replace(self, springs=springs, constant=constant)
+        out.__dict__["_factoriser"] = self._factoriser
+        return out
+
     def start(self) -> State:
         """The rest state."""
         return State(0.0, np.zeros(self.energy.unknowns), self.energy.rest)
@@ -118,7 +129,7 @@ class Problem:
         if not isinstance(self.energy, Koiter):
             return state
         x, memory = turn_directors(self.energy.surface, state.memory, state.x, self.reduction.rotations)
-        return State(state.factor, x, memory, state.iterations, state.negative)
+        return replace(state, x=x, memory=memory, turned=state.turned + (state.x - x))
 
 
 @dataclass(frozen=True)
@@ -136,6 +147,8 @@ class State:
         Newton iterations spent on the step to it.
     negative : int
         Negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable.
+    turned : (unknowns,) or 0
+        Rotations that the directors took up, all in all: x + turned is the motion that loads work on.
     """
 
     factor: float
@@ -143,3 +156,4 @@ class State:
     memory: Directors | Any
     iterations: int = 0
     negative: int = 0
+    turned: Floats | float = 0.0

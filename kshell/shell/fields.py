@@ -8,6 +8,7 @@ folds and branches, the vertex shows the patch with the largest stress.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from kshell.mesh.mesh import Mesh
 from kshell.section import Section
 from kshell.shell.frames import plane_tangents, tangent_frame
-from kshell.shell.locate import Locator
+from kshell.shell.locate import Nearest
 from kshell.shell.recovery import Resultants
 from kshell.shell.reference import VERTICES
 from kshell.tensors import principal, von_mises
@@ -46,13 +47,22 @@ class ShellFields:
     patches : (triangle,) int array
         Smooth pieces, over which values are averaged.
     corner_angles : (triangle, 3)
+    find : function
+        Points (n, 3) to the nearest ones of the mesh.
     """
 
     def __init__(
-        self, mesh: Mesh, recovery: Any, section: Section, offset: float, patches: Ints, corner_angles: Floats
+        self,
+        mesh: Mesh,
+        recovery: Any,
+        section: Section,
+        offset: float,
+        patches: Ints,
+        corner_angles: Floats,
+        find: Callable[[Floats], Nearest],
     ) -> None:
         self.mesh, self.recovery, self.section, self.offset = mesh, recovery, section, offset
-        self.patches, self.corner_angles = patches, corner_angles
+        self.patches, self.corner_angles, self.find = patches, corner_angles, find
 
     def tensors(self, points: Floats, triangles: Ints) -> tuple[Resultants, dict[str, Floats]]:
         """Resultants, and N, M and stresses (triangle, point, 3) by name, at reference points."""
@@ -132,11 +142,6 @@ class ShellFields:
             "normal": found.axes[:, 0, 2],
         }
 
-    @cached_property
-    def locator(self) -> Locator:
-        """For values anywhere."""
-        return Locator(self.mesh)
-
     def at(self, points: Floats) -> dict[str, Floats]:
         """Values at the points of the surface nearest to (n, 3) points.
 
@@ -146,7 +151,7 @@ class ShellFields:
             x, u, rotation, N, M, stress_top, stress_middle, stress_bottom, axis_1 and normal of the frame, each
             (n, 3), and distance (n,) to the point used.
         """
-        found = self.locator.find(np.asarray(points, dtype=float))
+        found = self.find(np.asarray(points, dtype=float))
         rows = [self._at(int(t), xi) for t, xi in zip(found.triangles, found.xi, strict=True)]
         out = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         out["distance"] = np.linalg.norm(out["x"] - points, axis=1)

@@ -5,15 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
-from kshell.errors import Interrupted, SolveError
+from kshell.errors import InputError, Interrupted, SolveError
+from kshell.naming import listing, suggestion
+from kshell.options import SolveOptions
 from kshell.shell.checkpoint import Checkpoints
+from kshell.shell.controlled import ControlledSteps
 from kshell.shell.equilibrium import State
 from kshell.shell.koiter import Koiter
 from kshell.shell.linear import LinearSolution
-from kshell.shell.load_steps import LoadSteps, March, stuck
+from kshell.shell.load_steps import Limits, LoadSteps, March, stuck
 from kshell.shell.path import Critical
 from kshell.shell.problem import ShellProblem
 
@@ -113,19 +117,62 @@ class Trace:
         return sum(state.iterations for state in self.states)
 
 
+class Marching(Protocol):
+    """Steps along a path: of the load, or of a displacement."""
+
+    def begin(self, state: State) -> March:
+        """The march from a state."""
+
+    def ended(self, march: March) -> bool:
+        """Whether the path is complete."""
+
+    def go_on(self, march: March) -> tuple[March, Critical | None]:
+        """The next state, and the critical point passed on the way; SolveError if there is none."""
+
+
+def marching_of(problem: ShellProblem, options: SolveOptions) -> Marching:
+    """How the options want the path to be followed.
+
+    Raises
+    ------
+    InputError
+        If the probe to be controlled does not exist, or does not move.
+    """
+    path = options.analysis == "path"
+    steps = options.steps if options.steps != "auto" else (10 if path else 1)
+    if options.control is None:
+        limits: Limits = "follow" if path else "jump"
+        section = problem.energy.section
+        thickness = float(np.sqrt(12.0 * np.abs(section.bending).max() / np.abs(section.membrane).max()))
+        return LoadSteps(
+            problem.equilibrium(), steps, limits=limits, branch=options.branch, aside=0.5 * thickness
+        )
+    name, letter = options.control.probe, options.control.component
+    if name not in problem.scene.probes:
+        hint = suggestion(name, problem.scene.probes)
+        raise InputError(f'control: no probe "{name}": {hint}the probes are {listing(problem.scene.probes)}')
+    found = problem.locator.find(np.array([problem.scene.probes[name]], dtype=float))
+    axis = "xyz".index(letter)
+    row = problem.discretisation.translation_row(int(found.triangles[0]), found.xi[0], axis)
+    if not np.any(problem.reduction.basis.T @ row) and row @ problem.reduction.given == 0.0:
+        raise InputError(
+            f'control: the supports hold probe "{name}" along {letter}: control another displacement'
+        )
+    return ControlledSteps(problem.equilibrium(), row, options.control.to, steps)
+
+
 def grow_load(
     problem: ShellProblem,
-    steps: int,
+    options: SolveOptions,
     progress: Callable[[str], None] | None = None,
     folder: Path | None = None,
     resume: bool = False,
 ) -> Trace:
-    """Grow the loads to their full size.
+    """Grow the loads to their full size, or a displacement to its last value.
 
     Parameters
     ----------
-    steps : int
-        First guess of the number of steps.
+    options : SolveOptions
     progress : function, optional
         Called with words after each step.
     folder : Path, optional
@@ -139,10 +186,10 @@ def grow_load(
         If the folder cannot be written, or what it holds is of another problem.
     """
     equilibrium = problem.equilibrium()
-    marching = LoadSteps(equilibrium, steps)
+    marching = marching_of(problem, options)
     march = marching.begin(equilibrium.start())
     trace = Trace([march.state])
-    saved = None if folder is None else Checkpoints(folder, _fingerprint(problem, steps))
+    saved = None if folder is None else Checkpoints(folder, _fingerprint(problem, options))
     if saved is not None:
         for march, critical in saved.read(isinstance(problem.energy, Koiter)) if resume else saved.clear():
             _add(trace, march, critical)
@@ -155,7 +202,8 @@ def grow_load(
             if progress is not None:
                 progress(_words(trace, march))
     except SolveError as error:
-        trace.failure = stuck(trace.states, str(error), None)
+        way = options.control is None
+        trace.failure = stuck(trace.states, str(error), None) if way else SolveError(str(error))
     except KeyboardInterrupt:
         trace.failure = Interrupted(f"interrupted at the load factor {trace.states[-1].factor:.6g}")
     return trace
@@ -176,11 +224,12 @@ def _words(trace: Trace, march: March) -> str:
     )
 
 
-def _fingerprint(problem: ShellProblem, steps: int) -> str:
+def _fingerprint(problem: ShellProblem, options: SolveOptions) -> str:
     """Tells problems apart: supports, loads, stiffness and steps."""
     import hashlib
 
-    digest = hashlib.sha256(f"{problem.choice.element} {problem.choice.order} {steps}".encode())
+    way = (options.analysis, options.steps, options.control, options.branch)
+    digest = hashlib.sha256(f"{problem.choice.element} {problem.choice.order} {way}".encode())
     basis = problem.reduction.basis.tocsc()
     arrays = [problem.space.points, problem.space.triangles, problem.load, problem.reduction.given]
     arrays += [basis.indptr, basis.indices, basis.data, problem.energy.stiffness]

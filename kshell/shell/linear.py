@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.errors import SolveError
+from kshell.errors import InputError, SolveError
 from kshell.shell.energy import StrainEnergy
 from kshell.shell.factor import Factoriser
 from kshell.shell.koiter import Koiter
@@ -26,10 +26,9 @@ MOST_REFINEMENTS = 12
 # relative energy of the last correction; the error of the solution is about its square root smaller
 FINISHED = 1e-20
 HOPELESS = 1e-4
-# stiffness of a motion, against the largest of the matrix, that is rounding
-FREE = 1e-14
 # energy of a motion formed from strains, against that of its unknowns one by one, that is rounding squared
 MECHANISM = 1e-25
+HOLD = "add supports there (a strip with a hinge between simply supported ends is such a mechanism)"
 
 
 class LinearSolution(NamedTuple):
@@ -66,8 +65,10 @@ def solve_linear(
 
     Raises
     ------
+    InputError
+        If the structure can move freely.
     SolveError
-        If the structure can move freely, or rounding leaves no digit.
+        If rounding leaves no digit.
     """
     stiffness = koiter.linear_stiffness()
     if springs is not None:
@@ -76,7 +77,8 @@ def solve_linear(
     # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
     solve = Factoriser(reduction, koiter).factorise(stiffness).solve
 
-    _require_stiff(koiter, stiffness, springs, basis, solve)
+    if basis.shape[1]:
+        _require_stiff(koiter, stiffness, springs, _softest(stiffness, basis, solve))
     x = reduction.given.copy()
     energy = 0.0
     corrections: list[float] = []
@@ -99,42 +101,40 @@ def solve_linear(
         x = x + basis @ step
     if len(corrections) > 1 and corrections[-1] > HOPELESS:
         motion = basis @ step
-        if gain <= FREE * float(motion @ motion) * np.abs(stiffness.diagonal()).max():
-            raise SolveError(f"the shell can move freely{_where(koiter, motion)}: add supports", state=motion)
+        _require_stiff(koiter, stiffness, springs, motion)
         raise SolveError(
             f"rounding leaves a relative error of {corrections[-1]:.1e} in the energy norm: the shell is too thin "
-            "for the mesh, or hangs on too little",
+            "for the mesh, the smallest triangles are too small, or it hangs on too little",
             state=x,
         )
     return LinearSolution(x, forces, stress, tuple(corrections))
 
 
+def _softest(stiffness: sp.spmatrix, basis: sp.spmatrix, solve: Callable[[Floats], Floats]) -> Floats:
+    """(unknowns,) the softest motion, by one step of inverse iteration."""
+    diagonal = stiffness.diagonal()
+    start = np.random.default_rng(1).standard_normal(len(diagonal)) * np.sqrt(np.abs(diagonal))
+    motion: Floats = basis @ solve(basis.T @ start)
+    return motion
+
+
 def _require_stiff(
-    koiter: StrainEnergy,
-    stiffness: sp.spmatrix,
-    springs: sp.spmatrix | None,
-    basis: sp.spmatrix,
-    solve: Callable[[Floats], Floats],
+    koiter: StrainEnergy, stiffness: sp.spmatrix, springs: sp.spmatrix | None, motion: Floats
 ) -> None:
     """Refuse a mechanism, whether the load drives it or not.
 
-    One step of inverse iteration finds the softest motion. Its energy is formed from its strains: that of a
-    mechanism is rounding squared, that of the thinnest shell is not.
+    The energy of the motion is formed from its strains: that of a mechanism is rounding squared, that of the
+    thinnest shell is not.
     """
-    if not basis.shape[1]:
-        return
-    diagonal = stiffness.diagonal()
-    start = np.random.default_rng(1).standard_normal(len(diagonal)) * np.sqrt(np.abs(diagonal))
-    motion = basis @ solve(basis.T @ start)
     if not np.isfinite(motion).all():
-        raise SolveError("the shell can move freely: its stiffness is singular")
+        raise InputError(f"the shell can move freely: its stiffness is singular; {HOLD}")
     motion = motion / np.abs(motion).max()
     strain = koiter.linear_strain(motion) + koiter.initial
     energy = float(np.sum(strain * koiter.stress(strain)))
     if springs is not None:
         energy += float(motion @ (springs @ motion))
-    if energy <= MECHANISM * float(motion @ (diagonal * motion)):
-        raise SolveError(f"the shell can move freely{_where(koiter, motion)}: add supports", state=motion)
+    if energy <= MECHANISM * float(motion @ (stiffness.diagonal() * motion)):
+        raise InputError(f"the shell can move freely{_where(koiter, motion)}: {HOLD}")
 
 
 def _where(energy: StrainEnergy, motion: Floats) -> str:

@@ -3,7 +3,7 @@
 A step that fails is halved, steps that converge easily grow. A step that ends with more negative eigenvalues
 than it began with may have jumped to another branch of equilibria and is repeated with smaller steps. Where the
 load cannot grow any more the path is followed by its length through the limit points, until the load is
-beyond the maximum and the shell is stable again.
+beyond the maximum and the shell is stable again; or the shell jumps to the next stable state (relax.py).
 
 All that the next step depends on is kept in a `March`: a path that is interrupted goes on from there as if
 nothing had happened.
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,20 +22,30 @@ from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
 from kshell.shell.newton import correct
 from kshell.shell.path import Arc, Critical, Path, PathFollower
+from kshell.shell.relax import relax
 
 Floats = NDArray[np.float64]
+Limits = Literal["follow", "jump", "stop"]
 
 # iterations of a step after which the next one is longer, and shorter
 EASY, HARD = 5, 12
 SMALLEST_STEP = 1e-4
-MOST_ATTEMPTS = 300
+# a step so small against the load so far ends the search for the limit point by halving
+CLOSE = 2e-3
+MOST_ATTEMPTS = 100
+MOST_JUMPS = 4
+# how far beyond the limit point the load is at which the jump ends, relative to the load there
+BEYOND = 0.05
 # a step that ends on an unstable branch is repeated with smaller steps down to this part of the first one
 DOUBTFUL_STEP = 1.0 / 16.0
 # growth of the displacement per load from one step to the next that tells a jump over a limit point
 JUMP = 10.0
 # steps along the path through limit points, and the length of the first against the deflection so far
-MOST_ARC_STEPS = 60
-FIRST_ARC = 0.1
+MOST_ARC_STEPS = 40
+FIRST_ARC = 0.2
+MOST_BRANCH_STEPS = 120
+# how far the last of these steps may go beyond the last load factor, and how often it is made again, shorter
+OVERSHOOT, MOST_RETREATS = 0.05, 3
 
 
 @dataclass(frozen=True)
@@ -71,6 +82,10 @@ class March:
         The same per growth of the load.
     attempts : int
         Load steps tried so far.
+    jumps : int
+        Made so far.
+    branched : bool
+        Whether a bifurcation was left along its mode.
     crossing : Crossing, optional
         On the way through limit points.
     """
@@ -80,6 +95,8 @@ class March:
     moved: float = 0.0
     rate: float = 0.0
     attempts: int = 0
+    jumps: int = 0
+    branched: bool = False
     crossing: Crossing | None = None
 
 
@@ -95,8 +112,13 @@ class LoadSteps:
         Last load factor.
     start : float
         First load factor.
-    cross_limits : bool
-        Whether to go on behind a limit point. The states in between have smaller loads; a real shell jumps.
+    limits : "follow", "jump" or "stop"
+        What to do at a limit point: follow the path, whose states in between have smaller loads; jump to the next
+        stable state, as a real shell does; or give up.
+    branch : -1, 0 or 1
+        What to do at the first bifurcation: stay on the path, or leave it along the mode times this.
+    aside : float
+        Largest displacement of the first step onto a branch.
     """
 
     def __init__(
@@ -105,10 +127,12 @@ class LoadSteps:
         steps: int = 10,
         until: float = 1.0,
         start: float = 0.0,
-        cross_limits: bool = True,
+        limits: Limits = "follow",
+        branch: int = 0,
+        aside: float = 0.0,
     ) -> None:
-        self.problem, self.steps, self.until, self.cross_limits = problem, max(steps, 1), until, cross_limits
-        self.span = until - start
+        self.problem, self.steps, self.until, self.limits = problem, max(steps, 1), until, limits
+        self.span, self.branch, self.aside = until - start, branch, aside
         self._follower = PathFollower(problem)
 
     def begin(self, state: State) -> March:
@@ -128,7 +152,7 @@ class LoadSteps:
             If there is none; its `state` is the march so far.
         """
         while march.crossing is None:
-            if march.attempts > MOST_ATTEMPTS + self.steps:
+            if march.attempts > MOST_ATTEMPTS + 2 * self.steps:
                 raise SolveError(
                     f"{march.attempts} steps did not reach the factor {self.until:g}", state=march
                 )
@@ -139,7 +163,9 @@ class LoadSteps:
                 found = correct(self.problem, state, state.factor + size)
             except SolveError as error:
                 march = replace(march, size=0.5 * size)
-                if abs(march.size) < SMALLEST_STEP * abs(self.span):
+                if abs(march.size) < max(SMALLEST_STEP * abs(self.span), CLOSE * abs(state.factor)):
+                    if self.limits == "jump":
+                        return self._jump(march, error)
                     march = self._into_crossing(march, error)
                 continue
             moved = _distance(self.problem, found.x - state.x)
@@ -149,15 +175,51 @@ class LoadSteps:
             if lost or (jumped and abs(size) >= SMALLEST_STEP * abs(self.span)):
                 march = replace(march, size=0.5 * size)  # the iteration may have gone to another branch
                 continue
+            critical = None
+            if found.negative != state.negative and self.limits != "stop":
+                critical = self._follower.critical(state, moved, None)
+                if self.branch and not march.branched and critical.kind == "bifurcation":
+                    return self._leave(march, critical), replace(critical, then="branched")
             if found.iterations <= EASY:
                 size *= 1.5
             elif found.iterations > HARD:
                 size *= 0.7
-            return replace(march, state=found, size=size, moved=moved, rate=rate), None
+            return replace(march, state=found, size=size, moved=moved, rate=rate), critical
         return self._cross(march, march.crossing)
 
+    def _leave(self, march: March, critical: Critical) -> March:
+        """Onto the branch at a bifurcation: a step along its mode."""
+        along = self.branch * (self.problem.reduction.basis.T @ critical.mode)
+        length = self.aside * _distance(self.problem, critical.mode)
+        try:
+            state, arc, _ = self._follower.go_on(critical.state, Arc(length, length), along)
+        except SolveError as error:
+            raise SolveError(f"the branch at the bifurcation was not found: {error}", state=march) from error
+        crossing = Crossing(arc, 0, critical.state.factor, march.state.negative)
+        return replace(march, state=state, branched=True, crossing=crossing, size=self.span / self.steps)
+
+    def _jump(self, march: March, error: SolveError) -> tuple[March, Critical]:
+        """To a stable state at a larger load than any so far."""
+        state, crossing = march.state, march.crossing
+        if march.jumps >= MOST_JUMPS:
+            raise SolveError(f"{error}, after {march.jumps} jumps", state=march) from error
+        highest = state.factor if crossing is None else crossing.factor
+        left, first = self.until - highest, self.span / self.steps
+        further = max(BEYOND * abs(highest), DOUBTFUL_STEP * abs(first))
+        factor = highest + float(np.sign(left)) * min(abs(left), further)
+        try:
+            found = relax(self.problem, state, factor)
+        except SolveError as failure:
+            raise SolveError(str(failure), state=march) from failure
+        critical = self._follower.softest_motion(state)
+        kind = critical.kind if crossing is None else "jump"
+        critical = replace(critical, kind=kind, then="jumped")
+        size = float(np.sign(left)) * further
+        onward = March(found, size, attempts=march.attempts, jumps=march.jumps + 1, branched=march.branched)
+        return onward, critical
+
     def _into_crossing(self, march: March, error: SolveError) -> March:
-        if not self.cross_limits or march.rate == 0.0 or self.span < 0:
+        if self.limits == "stop" or march.rate == 0.0 or self.span < 0:
             raise SolveError(str(error), state=march) from error
         state = march.state
         length = max(march.moved, FIRST_ARC * _distance(self.problem, state.x))
@@ -168,16 +230,25 @@ class LoadSteps:
         """One step through limit points."""
         before = march.state
         lost = crossing.steps > 0 and before.factor < -crossing.factor
-        if lost or crossing.steps >= MOST_ARC_STEPS:
-            raise SolveError("the path behind the maximum does not lead to a larger load", state=march)
+        if lost or crossing.steps >= (MOST_BRANCH_STEPS if march.branched else MOST_ARC_STEPS):
+            return self._jump(march, SolveError("the path behind the maximum does not lead to a larger load"))
         try:
             state, arc, critical = self._follower.go_on(before, crossing.arc)
+            for _ in range(MOST_RETREATS):
+                too_far = (state.factor - self.until) / self.span
+                if too_far <= OVERSHOOT:
+                    break
+                share = (self.until - before.factor) / (state.factor - before.factor)
+                shorter = replace(crossing.arc, length=arc.made * max(share, 0.1))
+                state, arc, critical = self._follower.go_on(before, shorter)
         except SolveError as error:
-            raise SolveError(str(error), state=march) from error
+            return self._jump(march, error)
         moved = _distance(self.problem, state.x - before.x)
         rate = moved / max(abs(state.factor - before.factor), 1e-300)
         next_crossing: Crossing | None = replace(crossing, arc=arc, steps=crossing.steps + 1)
-        if state.factor > crossing.factor * (1 + 1e-6) and state.negative <= crossing.negative:
+        beyond = state.factor > crossing.factor * (1 + 1e-6) and state.negative <= crossing.negative
+        # a branch is close to the path it left for long: steps of the load could fall back on it
+        if state.factor >= self.until if march.branched else beyond:
             next_crossing = None
         return replace(march, state=state, moved=moved, rate=rate, crossing=next_crossing), critical
 
@@ -188,13 +259,13 @@ def load_path(
     until: float = 1.0,
     start: State | None = None,
     record: Callable[[State], None] | None = None,
-    cross_limits: bool = True,
+    limits: Limits = "follow",
 ) -> Path:
     """Follow the equilibrium while the load factor grows.
 
     Parameters
     ----------
-    steps, until, cross_limits :
+    steps, until, limits :
         As for `LoadSteps`.
     start : State, optional
         The rest state if absent.
@@ -213,7 +284,7 @@ def load_path(
     """
     first = problem.start() if start is None else start
     path = Path([first], [])
-    marching = LoadSteps(problem, steps, until, first.factor, cross_limits)
+    marching = LoadSteps(problem, steps, until, first.factor, limits)
     march = marching.begin(first)
     while not marching.ended(march):
         try:

@@ -48,9 +48,15 @@ class Locator:
         self.tree = cKDTree(mesh.points[mesh.triangles].mean(axis=1))
         self.vertices = cKDTree(mesh.points)
         self.mesh = mesh
+        self._last: tuple[Floats, Nearest] | None = None
 
     def find(self, points: Floats) -> Nearest:
-        """The nearest points to (n, 3) points."""
+        """The nearest points to (n, 3) points; asked again for the same ones, as along a path, it knows them."""
+        if self._last is None or not np.array_equal(self._last[0], points):
+            self._last = points.copy(), self._find(points)
+        return self._last[1]
+
+    def _find(self, points: Floats) -> Nearest:
         candidates = [self._candidates(point) for point in points]
         which = np.repeat(np.arange(len(points)), [len(c) for c in candidates])
         triangle = np.concatenate(candidates)

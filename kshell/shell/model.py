@@ -16,6 +16,7 @@ from kshell.options import SolveOptions
 from kshell.result import Result
 from kshell.scene import Scene
 from kshell.shell.answer import answer_linear, answer_trace, probes_of, small_fields
+from kshell.shell.imperfection import imperfect
 from kshell.shell.large import Indicator, Trace, grow_load, indicate
 from kshell.shell.linear import LinearSolution, solve_linear
 from kshell.shell.problem import ShellProblem
@@ -61,7 +62,10 @@ def solve_shell(
         raise InputError('solver = "multigrid" is for plates: shells are solved with "direct" or "auto"')
     with clock.stage("assemble"):
         choice: ModelChoice = choose_model(scene, mesh, options)
-        problem = ShellProblem(scene, mesh, choice)
+        problem, known = ShellProblem(scene, mesh, choice), []
+        if scene.imperfection is not None:
+            problem, words = imperfect(problem, scene.imperfection)
+            known.append(words)
     large = options.large_asked
     solution: LinearSolution | None = None
     indicator: Indicator | None = None
@@ -75,8 +79,7 @@ def solve_shell(
                 indicator = indicate(problem, solution)
                 large = indicator.matters
         if large:
-            steps = options.steps if options.steps != "auto" else (10 if options.analysis == "path" else 1)
-            trace = grow_load(problem, steps, progress, folder, resume)
+            trace = grow_load(problem, options, progress, folder, resume)
             answer, iterations = partial(answer_trace, problem, trace), trace.iterations
     with clock.stage("recover"):
         result = answer()
@@ -89,7 +92,7 @@ def solve_shell(
         "large_deflection": large,
         "element": choice.element,
         "order": choice.order,
-        "reasons": [*problem.reasons(), *reasons, *(f"mesh: {note}" for note in mesh.notes)],
+        "reasons": [*problem.reasons(), *known, *reasons, *(f"mesh: {note}" for note in mesh.notes)],
     }
     result.solver = {
         "name": "direct",

@@ -18,17 +18,19 @@ from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
-MOST_ITERATIONS = 15
+MOST_ITERATIONS = 25
 # work of the last residual on the last correction, against the work of the load; the error is its square
 FINISHED = 1e-13
 # work below which the tangent has all but settled: it serves again while the work falls at such a rate
 SETTLED = 1e-5
 KEPT = 1e-3
 # growth of that work over its first value, after which an iteration is given up
-DIVERGED = 1e8
+DIVERGED = 1e5
+# iterations without a new smallest work, after which it is given up: near a limit point it wanders for ever
+PATIENCE = 6
 
 
-def correct(problem: Problem, state: State, factor: float) -> State:
+def correct(problem: Problem, state: State, factor: float, most_iterations: int = MOST_ITERATIONS) -> State:
     """Equilibrium at a load factor, from a state nearby.
 
     Raises
@@ -41,8 +43,9 @@ def correct(problem: Problem, state: State, factor: float) -> State:
     shift = (factor - state.factor) * given
     moved = bool(np.any(shift))
     first, work, definite = 0.0, np.inf, state.negative == 0
+    best, best_at = np.inf, 0
     tangent: Factor | None = None
-    for iteration in range(1, MOST_ITERATIONS + 1):
+    for iteration in range(1, most_iterations + 1):
         energy, residual, growth = problem.evaluate(
             x, factor, 2 if tangent is None else 1, state.memory, stress
         )
@@ -62,11 +65,17 @@ def correct(problem: Problem, state: State, factor: float) -> State:
         stress = problem.energy.extrapolated_stress(energy.linear, change)
         x = x + change
         scale = abs(energy.value) + abs(factor * float(growth @ x))
-        if (iteration > 1 and work <= FINISHED * scale) or scale == 0.0:
-            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative))
+        if iteration > 1 and work <= FINISHED * scale:
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
         if not np.isfinite(work) or (first > 0.0 and work > DIVERGED * first):
             break
         first = max(first, work)
+        if work < best * scale:
+            best, best_at = work / scale, iteration
+        elif iteration - best_at > PATIENCE:
+            break
+        if scale == 0.0 and not np.any(change):  # nothing loads or moves the shell
+            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
         if not (work <= SETTLED * scale and work <= KEPT * before):
             tangent = None
     raise SolveError(

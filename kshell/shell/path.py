@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,14 +26,15 @@ from kshell.shell.equilibrium import Problem, State
 from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
+Then = Literal["followed", "jumped", "branched"]
 
 MOST_ITERATIONS = 15
 FINISHED = 1e-13
 # iterations of a step that leave its length as it is
-GOOD = 5
+GOOD = 6
 SHORTEST = 1.0 / 2048.0
-LONGEST = 4.0
-BISECTIONS = 10
+LONGEST = 16.0
+BISECTIONS = 8
 
 
 @dataclass(frozen=True)
@@ -42,16 +44,19 @@ class Critical:
     Attributes
     ----------
     kind : str
-        "limit" or "bifurcation".
+        "limit" or "bifurcation"; "jump" where the path could not be followed any more.
     state : State
         Close to it.
     mode : (unknowns,)
         Motion without stiffness, largest translation 1.
+    then : "followed", "jumped" or "branched"
+        How it went on: along the path, to a stable state elsewhere, or along the branch that leaves there.
     """
 
     kind: str
     state: State
     mode: Floats
+    then: Then = "followed"
 
 
 @dataclass(frozen=True)
@@ -74,11 +79,14 @@ class Arc:
         Of the first step, which bounds the later ones.
     moved : (free unknown,), optional
         Motion of the last step, which tells forward from back.
+    made : float
+        Length of the last step.
     """
 
     length: float
     first: float
     moved: Floats | None = None
+    made: float = 0.0
 
 
 class PathFollower:
@@ -105,9 +113,9 @@ class PathFollower:
 
         def predict(a: Floats, b: Floats) -> tuple[Floats, float]:
             if along is not None:
-                return along * (length / self._size(along)), 0.0
+                return along * (length / self.size(along)), 0.0
             sign = 1.0 if before is None else (1.0 if (self.weights * a) @ before >= 0 else -1.0)
-            factor = sign * length / self._size(a)
+            factor = sign * length / self.size(a)
             return factor * a + b, factor
 
         def correct(first: Floats, a: Floats, b: Floats) -> float:
@@ -141,21 +149,24 @@ class PathFollower:
         critical = None
         if step.state.negative != state.negative and along is None:
             critical = self.critical(state, length, arc.moved)
-        grow = float(np.clip(np.sqrt(GOOD / step.state.iterations), 0.5, 2.0))
+        made = length
+        grow = float(np.clip(GOOD / step.state.iterations, 0.5, 2.0))
         length = float(np.clip(length * grow, SHORTEST * arc.first, LONGEST * arc.first))
-        return step.state, Arc(length, arc.first, step.moved), critical
+        return step.state, Arc(length, arc.first, step.moved, made), critical
 
-    def displacement(self, state: State, unknown: int, change: float) -> Step:
-        """A step in which one unknown changes by a given amount."""
-        row = self.problem.reduction.basis[unknown].toarray()[0]
+    def displacement(self, state: State, row: Floats, change: float) -> Step:
+        """A step in which a displacement, the product of (unknowns,) `row` and x, changes by a given amount."""
+        given = float(row @ self.problem.reduction.given)
+        row = self.problem.reduction.basis.T @ row
 
         def predict(a: Floats, b: Floats) -> tuple[Floats, float]:
-            factor = (change - row @ b) / (row @ a)
+            factor = (change - row @ b) / (row @ a + given)
             return factor * a + b, float(factor)
 
-        return self._step(state, predict, lambda _, a, b: -float(row @ b) / float(row @ a))
+        return self._step(state, predict, lambda _, a, b: -float(row @ b) / float(row @ a + given))
 
-    def _size(self, q: Floats) -> float:
+    def size(self, q: Floats) -> float:
+        """Root mean square displacement of the nodes of free unknowns."""
         return float(np.sqrt(self.weights @ q**2))
 
     def _step(
@@ -191,10 +202,10 @@ class PathFollower:
             scale = abs(energy.value) + abs(factor * float(growth @ x))
             if not np.all(np.isfinite(change)) or not np.isfinite(energy.value):
                 break
-            if self._size(moved) > 10 * self._size(first):
+            if self.size(moved) > 10 * self.size(first):
                 break
             if iteration > 1 and work <= FINISHED * scale:
-                found = State(factor, x, state.memory, iteration, tangent.negative)
+                found = State(factor, x, state.memory, iteration, tangent.negative, state.turned)
                 return Step(problem.settle(found), moved)
         raise SolveError(
             f"no equilibrium found on the path near the load factor {state.factor:.6g}", state=state
@@ -211,6 +222,10 @@ class PathFollower:
                 continue
             if step.state.negative == before.negative:
                 low, direction = step.state, step.moved
+        return self.softest_motion(low)
+
+    def softest_motion(self, low: State) -> Critical:
+        """A state taken for critical: its softest motion, and whether the load works on it."""
         energy, _, growth = self.problem.evaluate(low.x, low.factor, 2, low.memory, None)
         basis = self.problem.reduction.basis
         tangent = self.problem.factorise(energy.hessian, low.negative == 0)
@@ -218,10 +233,11 @@ class PathFollower:
         load = basis.T @ growth
         # at a limit point the load works on the mode, at a bifurcation it does not
         motion = tangent.solve(load)
-        alike = abs((self.weights * mode) @ motion) / (self._size(mode) * self._size(motion))
+        alike = abs((self.weights * mode) @ motion) / (self.size(mode) * self.size(motion))
         full = basis @ mode
         kind = "limit" if alike > 0.5 else "bifurcation"
-        return Critical(kind, low, full / np.abs(full).max())
+        largest = np.abs(full[self.problem.energy.translation_weights() > 0.0]).max()
+        return Critical(kind, low, full / largest)
 
 
 def softest(tangent: Factor, size: int) -> Floats:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from kshell.section import Section, shell_section
 from kshell.shell.discretisation import USE_KOITER, KoiterDiscretisation
 from kshell.shell.equilibrium import Follower, Problem, State
 from kshell.shell.held import require_held
+from kshell.shell.locate import Locator
 from kshell.shell.scene_loads import SceneLoads, apply_loads
 from kshell.shell.scene_supports import SceneSupports, apply_supports, hinge_edges
 from kshell.shell.section import Section as Stiffness
@@ -41,6 +44,8 @@ class ShellProblem:
     mesh : Mesh
         Of the scene, as read.
     choice : ModelChoice
+    offsets : (node, 3), optional
+        By which the nodes of a Koiter discretisation are moved.
 
     Attributes
     ----------
@@ -57,12 +62,14 @@ class ShellProblem:
         If a support, load, material or thickness does not fit, or the shell is not held.
     """
 
-    def __init__(self, scene: Scene, mesh: Mesh, choice: ModelChoice) -> None:
-        self.scene, self.choice = scene, choice
+    def __init__(self, scene: Scene, mesh: Mesh, choice: ModelChoice, offsets: Floats | None = None) -> None:
+        self.scene, self.mesh, self.choice = scene, mesh, choice
         self.space = mesh_in_space(scene, mesh)
+        if offsets is not None:
+            self.space = moved_mesh(self.space, choice.order, offsets)
         self.section: Section = shell_section(self.space, scene.thickness, scene.material, scene.layers)
         hinges = hinge_edges(list(scene.supports), self.space)
-        self.discretisation = _discretise(scene, mesh, choice, hinges)
+        self.discretisation = _discretise(scene, mesh, choice, hinges, offsets)
         self.energy = self.discretisation.energy(self._stiffness())
         self.supports: SceneSupports = apply_supports(list(scene.supports), self.space, self.discretisation)
         self.loads: SceneLoads = apply_loads(
@@ -110,6 +117,11 @@ class ShellProblem:
             initial=loads.initial,
         )
 
+    @cached_property
+    def locator(self) -> Locator:
+        """Of points on the surface at rest."""
+        return Locator(self.space)
+
     def forces_at(self, state: State) -> list[Floats]:
         """(unknowns,) force of each load in a state."""
         loads = self.loads
@@ -156,6 +168,19 @@ class ShellProblem:
         ]
 
 
+def moved_mesh(mesh: Mesh, order: int, offsets: Floats) -> Mesh:
+    """The mesh with nodes of an order moved by (node, 3) offsets."""
+    count, edges = len(mesh.points), len(mesh.edges)
+    points = mesh.points + offsets[:count]
+    if mesh.midpoints is None:
+        return replace(mesh, points=points)
+    ends = offsets[:count][mesh.edges].sum(axis=1)
+    inner = offsets[count : count + (order - 1) * edges].reshape(edges, order - 1, 3).sum(axis=1)
+    # the polynomial of the edge at its middle
+    middle = {1: 0.5 * ends, 2: inner, 3: (9 * inner - ends) / 16}[order]
+    return replace(mesh, points=points, midpoints=mesh.midpoints + middle)
+
+
 def _depends_on_direction(q: Floats) -> bool:
     """Whether a plane-stress stiffness (3, 3) is not isotropic: it changes when it is turned."""
     return bool(
@@ -163,7 +188,9 @@ def _depends_on_direction(q: Floats) -> bool:
     )
 
 
-def _discretise(scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[np.integer]) -> Any:
+def _discretise(
+    scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[np.integer], offsets: Floats | None
+) -> Any:
     if choice.element == "argyris":
         from kshell.shell.argyris_discretisation import ArgyrisDiscretisation
 
@@ -176,4 +203,4 @@ def _discretise(scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[n
         def lift(points: Floats) -> Floats:
             return lifted(scene, points)
 
-    return KoiterDiscretisation(mesh, choice.order, lift, hinges)
+    return KoiterDiscretisation(mesh, choice.order, lift, hinges, offsets)

@@ -19,6 +19,7 @@ Floats = NDArray[np.float64]
 THICK = 0.5
 # the search for triangles that cross each other looks at pairs, up to so many triangles
 SEARCHED = 30_000
+ON_TRIANGLE = 1e-6  # distance from a triangle, in its size, that is none
 BESIDE = 1e-9  # barycentric coordinate below which a crossing is on the border
 
 
@@ -64,32 +65,76 @@ def _faceted(mesh: Mesh) -> list[str]:
 def _crossing(mesh: Mesh) -> list[str]:
     if len(mesh.triangles) > SEARCHED or np.ptp(mesh.points[:, 2]) == 0.0:
         return []
+    join = (
+        "If they should hold together, join them in the geometry (`BooleanFragments` in gmsh, `Coherence;` in a .geo "
+        "file) and mesh again"
+    )
+    out = []
     edge, triangle, where = crossings(mesh)
-    if not len(edge):
-        return []
-    return [
-        f"the surface crosses itself at {count(len(np.unique(triangle)), 'triangle')}, e.g. at {place(where[0])}, "
-        "without being joined there: the sheets pass through each other freely. If they should hold together, join "
-        "them in the geometry (`BooleanFragments` in gmsh) and mesh again"
-    ]
+    if len(edge):
+        out.append(
+            f"the surface crosses itself at {count(len(np.unique(triangle)), 'triangle')}, e.g. at {place(where[0])}, "
+            f"without being joined there: the sheets pass through each other freely. {join}"
+        )
+    vertex, triangle = contacts(mesh)
+    if len(vertex):
+        out.append(
+            f"the surface touches itself without being joined: {count(len(np.unique(vertex)), 'vertex', 'vertices')} "
+            f"lie on triangles they do not belong to, e.g. the one at {place(mesh.points[vertex[0]])}: the sheets move "
+            f"apart freely there. {join}"
+        )
+    return out
+
+
+def contacts(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
+    """Vertices that lie on triangles they do not belong to: vertices (n,) and triangles (n,).
+
+    Vertices on the boundary of the other sheet are left out: when the mesh was read they were found to be sides of a
+    slit. On a curved triangle a vertex lies if it is no farther from its chord plane than the mid-edge nodes.
+    """
+    corners = mesh.points[mesh.triangles]
+    near, triangle = _near(corners, mesh.points, np.zeros(len(mesh.points)))
+    apart = ~(mesh.triangles[triangle] == near[:, None]).any(axis=1)
+    near, triangle = near[apart], triangle[apart]
+    a, b, c = (corners[triangle, k] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    twice = np.linalg.norm(normal, axis=1)
+    offset = mesh.points[near] - a
+    height = np.abs(np.sum(offset * normal, axis=1)) / twice
+    second = np.sum(np.cross(offset, c - a) * normal, axis=1) / twice**2
+    third = np.sum(np.cross(b - a, offset) * normal, axis=1) / twice**2
+    barycentric = np.stack([1.0 - second - third, second, third], axis=1)
+    tolerance = ON_TRIANGLE * np.sqrt(twice)
+    if mesh.midpoints is not None:
+        bulge = np.linalg.norm(mesh.midpoints - mesh.points[mesh.edges].mean(axis=1), axis=1)
+        tolerance = tolerance + bulge[mesh.triangle_edges[triangle]].max(axis=1)
+    side = barycentric < ON_TRIANGLE  # on the edge opposite to the corner
+    opposite = mesh.triangle_edges[triangle][:, [1, 2, 0]]
+    border = (side & (mesh.edge_counts[opposite] == 1)).any(axis=1)
+    on = (height <= tolerance) & (barycentric > -ON_TRIANGLE).all(axis=1) & (side.sum(axis=1) < 2) & ~border
+    return near[on], triangle[on]
+
+
+def _near(corners: Floats, centres: Floats, reach: Floats) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
+    """Pairs of a ball (centres, reach) and a triangle that may meet: two arrays of numbers."""
+    centre = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
+    balls, triangles = [], []
+    # triangles by size, so that one large one does not widen the search around all
+    level = np.floor(np.log2(radius / radius.min() + 1e-12)).astype(int)
+    for k in np.unique(level):
+        mine = np.flatnonzero(level == k)
+        near = cKDTree(centre[mine]).query_ball_point(centres, reach + radius[mine].max())
+        balls.append(np.repeat(np.arange(len(near)), [len(n) for n in near]))
+        triangles.append(mine[np.concatenate([np.asarray(n, dtype=np.int64) for n in near])])
+    return np.concatenate(balls), np.concatenate(triangles)
 
 
 def crossings(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer], Floats]:
     """Edges that pierce triangles with which they share no vertex: edges, triangles, and places (n, 3)."""
     corners = mesh.points[mesh.triangles]
-    centre = corners.mean(axis=1)
-    radius = np.linalg.norm(corners - centre[:, None], axis=2).max(axis=1)
     ends = mesh.points[mesh.edges]
-    middle, half = ends.mean(axis=1), 0.5 * mesh.edge_lengths
-    pairs_edge, pairs_triangle = [], []
-    # triangles by size, so that one large one does not widen the search around all
-    level = np.floor(np.log2(radius / radius.min() + 1e-12)).astype(int)
-    for k in np.unique(level):
-        mine = np.flatnonzero(level == k)
-        near = cKDTree(centre[mine]).query_ball_point(middle, half + radius[mine].max())
-        pairs_edge.append(np.repeat(np.arange(len(near)), [len(n) for n in near]))
-        pairs_triangle.append(mine[np.concatenate([np.asarray(n, dtype=np.int64) for n in near])])
-    edge, triangle = np.concatenate(pairs_edge), np.concatenate(pairs_triangle)
+    edge, triangle = _near(corners, ends.mean(axis=1), 0.5 * mesh.edge_lengths)
     apart = ~(mesh.triangles[triangle][:, :, None] == mesh.edges[edge][:, None, :]).any(axis=(1, 2))
     edge, triangle = edge[apart], triangle[apart]
     # Moeller and Trumbore 1997: start + s along = a + u (b - a) + v (c - a)

@@ -46,6 +46,8 @@ class Surface:
         parameter plane, or a projection onto the exact surface.
     hinges : (n,) int array, optional
         Edges across which the sheets may turn freely.
+    offsets : (node, 3), optional
+        By which the nodes are moved in the end.
 
     Attributes
     ----------
@@ -70,6 +72,7 @@ class Surface:
         order: int,
         lift: Callable[[Floats], Floats] | None = None,
         hinges: ArrayLike = (),
+        offsets: Floats | None = None,
     ) -> None:
         if order not in (1, 2, 3):
             raise InputError(f"shell elements have order 1, 2 or 3, not {order}")
@@ -80,6 +83,8 @@ class Surface:
         self._number_rotations(np.asarray(hinges, dtype=np.int64))
         self.flat_nodes = self._flat_nodes()
         self.nodes = self.flat_nodes if lift is None else np.asarray(lift(self.flat_nodes), dtype=float)
+        if offsets is not None:
+            self.nodes = self.nodes + offsets
         self._check()
 
     def _number_nodes(self) -> None:

@@ -37,6 +37,7 @@ SURFACES = {
     "box_girder": (1, 4 * (4 * 1 + 3 * 0.6)),
     "twisted_beam": (1, 1.1 * np.pi / 2),
     "tube": (1, np.pi / 2),
+    "sphere_edge": (1, np.pi / 2 * np.pi / 3),
 }
 
 

@@ -158,7 +158,7 @@ def test_twisted_beam(thickness, force, axis, reference):
     assert model.solve(load).x[3 * model.vertex(12.0, 0.0) + axis] == pytest.approx(reference, rel=1e-3)
 
 
-@pytest.mark.parametrize(("thickness", "reference"), [(1e-2, -9.3186e-5), (1e-3, -6.3946e-3)])
+@pytest.mark.parametrize(("thickness", "reference"), [(1e-2, -9.31454e-5), (1e-3, -6.39719e-3)])
 def test_partly_clamped_hypar(thickness, reference):
     mesh = rectangle(24, 12, 0, 1, 0, 0.5)
     points = mesh.points.copy()
@@ -171,7 +171,7 @@ def test_partly_clamped_hypar(thickness, reference):
     model.supports.clamp(model.edges(0, -0.5))
     model.supports.symmetry(model.edges(1, 0.0), [0, 1, 0])
     answer = model.solve(loads.traction(model.surface, [0, 0, -8000 * thickness]))
-    assert answer.x[3 * model.vertex(0.5, 0.0) + 2] == pytest.approx(reference, rel=1e-3)
+    assert answer.x[3 * model.vertex(0.5, 0.0) + 2] == pytest.approx(reference, rel=2e-4)
 
 
 @pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4, 1e-5])

@@ -9,6 +9,7 @@ import pytest
 import kshell as ks
 from kshell.cli import run
 from tests.scene.fabricated import square_mesh
+from tests.shell import revolution
 from tests.shell.shapes import joined, panel
 from tests.shell.shell_scenes import MESHES, STEEL, cantilever_of_two, plate
 
@@ -40,10 +41,10 @@ KNOWN = [
         5.24974e-3,
         1e-3,
     ),
-    ("hypar", [], "tip", 2, -9.3118e-5, 1e-3),
-    ("hypar", ["thickness=0.001"], "tip", 2, -6.3946e-3, 1e-3),
-    ("tube", [], "end", 0, 2570.814, 1e-2),  # the closed form leaves out terms of the size t / R
-    ("tube", ["solve.element=koiter"], "end", 0, 2570.814, 1e-2),
+    ("hypar", [], "tip", 2, -9.31454e-5, 1e-5),
+    ("hypar", ["thickness=0.001"], "tip", 2, -6.39719e-3, 3e-4),
+    ("hypar_thin", [], "tip", 2, -6.39719e-3, 3e-4),
+    ("twisted_beam_thin", [], "tip", 0, 1.2928e-3, 1e-4),
 ]
 
 
@@ -57,6 +58,26 @@ def test_references(name, overrides, probe, component, reference, tolerance):
         assert result.unknowns <= 1700
         assert (result.model["element"], result.model["order"]) == ("koiter", 3)
         assert result.strain_energy == pytest.approx(4826.57703 / 4, rel=3e-5)
+
+
+EDGES = [
+    ("tube", "end", revolution.tube, 1.0, "argyris", 1e-4),
+    ("tube", "end", revolution.tube, 1.0, "koiter", 2e-2),
+    ("sphere_edge", "rim", revolution.sphere, np.pi / 3, "argyris", 1e-4),
+    ("sphere_edge", "rim", revolution.sphere, np.pi / 3, "koiter", 2e-2),
+]
+
+
+@pytest.mark.parametrize(("name", "probe", "meridian", "length", "element", "tolerance"), EDGES)
+def test_edge_solutions(name, probe, meridian, length, element, tolerance):
+    """Force and moment along the edge of a tube and of a sphere, against an independent solution of one dimension."""
+    exact = revolution.edge_flexibility(meridian, length, 0.01)
+    assert exact[0, 0] == pytest.approx({"tube": 2571.96514, "sphere_edge": 2570.42063}[name], rel=1e-8)
+    for column, load in enumerate(([], ["load.0.kind=edge_moment", "load.0.value=1.0"])):
+        scene = ks.Scene.load(MESHES / f"{name}.toml", [*load, f"solve.element={element}"])
+        found = ks.solve(scene).probe(probe)
+        assert abs(found["u"][0]) == pytest.approx(abs(exact[0, column]), rel=tolerance)
+        assert abs(found["rotation"][1]) == pytest.approx(abs(exact[1, column]), rel=tolerance)
 
 
 def test_sphere_under_pressure_from_the_command_line(tmp_path):

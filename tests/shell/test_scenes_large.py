@@ -168,17 +168,35 @@ def test_path_through_limit_points(roof_result, tmp_path):
     assert len(document["path"]) == steps
 
 
-def test_load_that_cannot_grow_leaves_the_last_good_state():
-    """A force that turns the roof inside out and crushes it."""
-    scene = large_scenes.roof(2, order=2)
-    scene = dataclasses.replace(scene, loads=[ks.PointForce((0, 0, 2540), (0, 0, -1e9))])
-    for options in ({"analysis": "path"}, {"analysis": "static", "large_deflection": "auto"}):
-        with pytest.raises(ks.SolveError) as caught:
-            ks.solve(scene, steps=2, **options)
-        state = caught.value.state
-        assert 0.0 <= state.path[-1]["factor"] < 1.0
-        assert np.isfinite(state.fields["displacement"]).all()
-        assert ("large_deflection = false" in str(caught.value)) is ("large_deflection" in options)
+@pytest.mark.parametrize(
+    "options",
+    [{"analysis": "path"}, {"analysis": "static", "large_deflection": "auto"}],
+    ids=["path", "auto"],
+)
+def test_load_that_cannot_grow_leaves_the_last_good_state(options, monkeypatch):
+    """Neither jumps nor a long way round are allowed."""
+    monkeypatch.setattr("kshell.shell.load_steps.MOST_JUMPS", 0)
+    monkeypatch.setattr("kshell.shell.load_steps.MOST_ARC_STEPS", 2)
+    with pytest.raises(ks.SolveError, match="cannot be increased beyond the factor") as caught:
+        ks.solve(large_scenes.roof(2, order=2), steps=4, **options)
+    state = caught.value.state
+    assert 0.7 < max(entry["factor"] for entry in state.path) < 0.8
+    assert np.isfinite(state.fields["displacement"]).all()
+    assert state.balance < 1e-6
+    assert ("large_deflection = false" in str(caught.value)) is ("large_deflection" in options)
+
+
+def test_static_load_jumps_over_the_limit_point():
+    """The state behind the jump is that on the path at the same load."""
+    scene = large_scenes.roof(3, order=2, share=0.9)
+    result = ks.solve(scene, large_deflection=True, steps=3)
+    assert [(point["kind"], point["then"]) for point in result.critical] == [("limit", "jumped")]
+    assert 0.9 * result.critical[0]["factor"] == pytest.approx(0.7421, rel=1e-2)
+    assert any("jumps there to another stable state" in words for words in result.warnings)
+    assert all(entry["stable"] for entry in result.path)
+    assert result.probe("crown")["u"][2] == pytest.approx(-28.2, abs=0.3)  # 0.9 in the table
+    path = ks.trace(scene)
+    assert result.probe("crown")["u"][2] == pytest.approx(path.probe("crown")["u"][2], rel=1e-6)
 
 
 SCENE = """

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kshell.errors import InputError, SolveError
+from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.shell import loads, matrices
 from kshell.shell.initial import curvature_strain, temperature_strain
@@ -214,7 +214,7 @@ def test_temperature_gradient_and_initial_curvature_bend_alike():
 def test_a_free_structure_is_reported():
     model = Model(rectangle(3, 3, 0, 1, 0, 1), 2, BEAM)
     model.supports.translation([0], "xyz")
-    with pytest.raises(SolveError, match="free"):
+    with pytest.raises(InputError, match="free"):
         model.solve(loads.traction(model.surface, [0, 0, 1.0]))
 
 

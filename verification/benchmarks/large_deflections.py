@@ -92,12 +92,13 @@ def roof(layered: bool, sizes: list[int], table: list[tuple[float, float]]) -> N
         equilibrium = problem.equilibrium()
         follower, state = PathFollower(equilibrium), equilibrium.start()
         crown = int(np.argmin(np.linalg.norm(problem.space.points - [0, 0, 2540], axis=1)))
-        unknown = 3 * crown + 2
+        row = np.zeros(problem.discretisation.unknowns)
+        row[3 * crown + 2] = 1.0
         begin, worst, iterations = time.perf_counter(), (0.0, 0.0), 0
         highest = 0.0
         loads: list[float] = []
         for factor, w in table:
-            state = follower.displacement(state, unknown, -w - state.x[unknown]).state
+            state = follower.displacement(state, row, -w - float(row @ state.x)).state
             iterations += state.iterations
             loads.append(state.factor)
             difference = (state.factor - factor) / limit

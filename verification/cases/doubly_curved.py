@@ -32,7 +32,7 @@ def octant_mesh(n: int) -> ks.Mesh:
         "y = 0": lambda u, v: v < 1e-9,
         "z = 0": lambda u, v: u + v > 1 - 1e-9,
     }
-    return meshes.mesh(plain.points[:, :2], plain.triangles, sides)
+    return meshes.mesh(plain.points[:, :2], plain.triangles.astype(np.int64), sides)
 
 
 def hemispheres() -> Iterator[Case]:

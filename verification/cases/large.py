@@ -108,11 +108,11 @@ def plates() -> Iterator[Case]:
             order=2,
         )
     middle: dict[str, Quantity] = {"w_c": Moves((0.5, 0.5, 0.0), UP)}
-    for Q in (38.3, 184.0, 402.0):
+    for load in (38.3, 184.0, 402.0):
         yield large(
-            f"clamped_square.Q{Q:g}",
-            f"clamped square plate, a/h = 500, nu = 0.3, pressure {Q:g} E h^4/a^4",
-            lambda n, Q=Q: scenes.clamped_square(Q, n),  # type: ignore[misc]
+            f"clamped_square.Q{load:g}",
+            f"clamped square plate, a/h = 500, nu = 0.3, pressure {load:g} E h^4/a^4",
+            lambda n, Q=load: scenes.clamped_square(Q, n),  # type: ignore[misc]
             middle,
             {1: (16, 32), 2: (8, 16), 3: (5, 10)},
         )

@@ -65,7 +65,7 @@ def on_surface(chart: Chart, flat: ks.Mesh, order: int) -> dict[str, Any]:
     """What a scene is given: mesh and chart for the true surface, else a mesh of order 1 or 2 in space."""
     if order == TRUE_SURFACE:
         return {"mesh": flat, "chart": chart}
-    corners = {0: np.arange(len(flat.points)), 1: flat.edges, 2: flat.triangles}
+    corners: dict[int, Any] = {0: np.arange(len(flat.points)), 1: flat.edges, 2: flat.triangles}
     groups = {name: corners[group.dimension][group.members] for name, group in flat.groups.items()}
     middles = chart(*flat.points[flat.edges].mean(axis=1)[:, :2].T) if order == 2 else None
     return {"mesh": ks.Mesh.from_arrays(chart(*flat.points[:, :2].T), flat.triangles, groups, middles)}
