@@ -68,7 +68,7 @@ class ChartKoiter(StrainEnergy):
         surface = self.surface
         x = surface.first[:, :, triangles]
         a, b, d, angle = section_at(
-            self.section, triangles, np.moveaxis(surface.positions[:, triangles], 0, 2)
+            self.section, triangles, lambda: np.moveaxis(surface.positions[:, triangles], 0, 2)
         )
         e1, e2, _ = tangent_frame(x, self.section.direction, angle)
         to_frame = np.moveaxis(covariant_to_frame(components(x, e1, e2)), (0, 1), (2, 3))
