@@ -142,7 +142,7 @@ def phases(cells: list[int], before: str | None, beside: list[list[str]], out: P
             rows.append([int(answer["unknowns"]), name, *(f"{s:.4f}" for s in numbers)])
             print(f"{rows[-1][0]:9d}  {name:20s}" + "".join(f"{s:10.3f}" for s in numbers), flush=True)
     with (out / "newton.csv").open("w", newline="") as file:
-        csv.writer(file).writerows(
+        csv.writer(file, lineterminator="\n").writerows(
             [
                 ["unknowns", "program", *PHASES, "iteration", "first iteration", "iteration in a load step"],
                 *rows,
