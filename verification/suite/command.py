@@ -44,7 +44,7 @@ def verify(quick: bool = False, out: Path | None = None, cases: Iterable[Case] |
         _must_be_writable(out)
     console = _console()
     _print_row(console, _heads(), "bold")
-    begin, blocks = time.perf_counter(), []
+    begin, cpu, blocks = time.perf_counter(), time.process_time(), []
     for block in run_blocks(quick, cases):
         blocks.append(block)
         _print_block(console, block)
