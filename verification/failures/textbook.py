@@ -67,7 +67,7 @@ FAILURE = Failure(
     "0.19 percent above, 0.60 and 0.51 percent below. A coarse mesh may hit the printed value on its way to the "
     "limit, and looks better than a fine one.",
     "kshell's cases refer to values converged with several discretisations, with the digits on which these agree,"
-    " not to the printed ones. Orders 2 and 3 arrive at the same limit from their own sides.",
+    " not to the printed ones. Orders 2 and 3 arrive at the same limit.",
     measure,
     draw,
 )
