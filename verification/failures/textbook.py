@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from verification.benchmarks.shells import PARAMETERS, REFERENCES, TITLES, grid, solve
 from verification.failures.failure import Failure, Numbers, columns, panels
+from verification.failures.obstacle_course import PARAMETERS, REFERENCES, TITLES, grid, solve
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
