@@ -162,6 +162,19 @@ class InitialCurvature(Load):
         return self.at(points)
 
 
+@described("load initial_strain")
+class InitialStrain(Load):
+    """Strain of the middle surface (E_11, E_22, E_12) that a shell takes up without stress; E_12 is half the shear.
+
+    In the frame of the results: e_1 is the projection of the global x (of y where x is normal).
+    """
+
+    kind: ClassVar[str] = "initial_strain"
+    components: ClassVar[int | None] = 3
+    value: VectorValue
+    on: On | None = None
+
+
 LOADS: dict[str, type[Any]] = {
     cls.kind: cls
     for cls in (
@@ -174,5 +187,6 @@ LOADS: dict[str, type[Any]] = {
         PointMoment,
         Temperature,
         InitialCurvature,
+        InitialStrain,
     )
 }

@@ -187,7 +187,9 @@ def _stretching(scene: Scene, mesh: Mesh) -> Iterator[str]:
             value = load.at(_points(mesh, load))
             if _exceeds(value[:, 2], value):
                 yield f"{load} turns it in its plane"
-        elif load.kind == "temperature" and not (is_constant(load.mean) and load.mean == 0.0):
+        elif load.kind == "initial_strain" or (
+            load.kind == "temperature" and not (is_constant(load.mean) and load.mean == 0.0)
+        ):
             yield f"{load} stretches it"
 
 
@@ -227,12 +229,10 @@ def _beyond_argyris(scene: Scene) -> str:
     if scene.imperfection is not None:
         return "the imperfection moves its nodes"
     for support in scene.supports:
-        if support.kind in ("hinge", "elastic"):
+        if support.kind == "hinge":
             return f"{support} needs it"
     for load in scene.loads:
-        if load.kind in ("temperature", "initial_curvature", "point_moment") or getattr(
-            load, "follower", False
-        ):
+        if getattr(load, "follower", False):
             return f"{load} needs it"
     return ""
 

@@ -119,7 +119,7 @@ class Scene:
         Of the shape; Koiter shells only.
     supports : sequence of Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic
     loads : sequence of Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment,
-        Temperature, InitialCurvature
+        Temperature, InitialCurvature, InitialStrain
     probes : dict of str to (x, y, z)
         Named points whose values are reported.
     mesh_size : float, optional

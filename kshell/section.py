@@ -12,7 +12,6 @@ sigma       stress at height z: -z Q w''
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -53,6 +52,7 @@ class Section:
             self._part = _triangle_parts(mesh, list(thickness))
         self._parts = list(parts.items())
         self.constant_per_triangle = all(is_constant(value) for value in parts.values())
+        self._uniform = self.constant_per_triangle and len(parts) == 1
         self._check_everywhere()
 
     def thickness(self, triangles: Ints, points: Floats) -> Floats:
@@ -116,6 +116,9 @@ class Section:
         if not self.constant_per_triangle:
             raise ValueError("the thickness varies inside triangles: use bending(triangles, points)")
         every = np.arange(len(self._mesh.triangles))
+        if self._uniform:  # one matrix for all, which takes no memory
+            one = self.bending(every[:1], self._mesh.points[None, :1])[0, 0]
+            return np.broadcast_to(one, (len(every), 3, 3))
         return self.bending(every, self._centroids[:, None])[:, 0]
 
     def mass(self, triangles: Ints, points: Floats) -> Floats:
@@ -135,7 +138,7 @@ class Section:
             return -half * self._stack.top, half * self._stack.bottom
         return -half * self._Q, half * self._Q
 
-    @cached_property
+    @property
     def _centroids(self) -> Floats:
         return self._mesh.points[self._mesh.triangles].mean(axis=1)
 

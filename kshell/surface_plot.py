@@ -151,8 +151,9 @@ def _figure(title: str, nodes: Floats) -> tuple[Figure, Any]:
     axes.view_init(**VIEW)
     for setter, name in zip((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), "xyz", strict=True):
         setter(name)
-    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
-        axis.get_major_locator().set_params(nbins=5)
+    for axis, part in zip((axes.xaxis, axes.yaxis, axes.zaxis), size / size.max(), strict=True):
+        ticks = 5 if part > 0.3 else 1  # more of them would overlap on a short axis
+        axis.get_major_locator().set_params(nbins=ticks, min_n_ticks=1)
     if title:
         axes.set_title(title, wrap=True)
     return figure, axes

@@ -84,6 +84,7 @@ class _Builder:
             "point_moment": self._point_moment,
             "temperature": self._temperature,
             "initial_curvature": self._initial_curvature,
+            "initial_strain": self._initial_strain,
         }
 
     def add(self, load: Any) -> None:
@@ -196,6 +197,9 @@ class _Builder:
 
     def _initial_curvature(self, load: Any) -> None:
         self._curvature(load)
+
+    def _initial_strain(self, load: Any) -> None:
+        self.out.warnings.append(f"{load}: it stretches the plate in its plane and does not bend it: ignored")
 
     def _curvature(self, load: Any) -> None:
         def curvature(xy: Floats) -> Floats:

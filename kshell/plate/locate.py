@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from kshell.plate.domain import Domain
 
@@ -47,7 +47,9 @@ class Locator:
         self.domain = domain
 
     @cached_property
-    def _tree(self) -> cKDTree:
+    def _tree(self) -> Any:
+        from scipy.spatial import cKDTree
+
         return cKDTree(self.domain.points[self.domain.mesh.triangles].mean(axis=1))
 
     def find(self, xy: Floats) -> Located:

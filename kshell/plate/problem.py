@@ -119,9 +119,12 @@ class PlateProblem:
     def space(self) -> PlateSpace:
         """For multigrid, and for naming what moves freely."""
         space = plate_space(self.domain, self.layout, self.supports.conditions, self.reduction)
-        every = np.arange(len(self.mesh.triangles))
-        centres = self.mesh.points[self.mesh.triangles].mean(axis=1)
-        bending = self.section.bending(every, centres[:, None])[:, 0]
+        if self.section.constant_per_triangle:
+            bending = self.section.bending_per_triangle()
+        else:
+            every = np.arange(len(self.mesh.triangles))
+            centres = self.mesh.points[self.mesh.triangles].mean(axis=1)
+            bending = self.section.bending(every, centres[:, None])[:, 0]
         stiffness = bending[:, 0, 0] + bending[:, 1, 1]
         if stiffness.max() < 2.0 * stiffness.min():
             return space

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
@@ -15,7 +16,7 @@ from kshell.shell.argyris import ChartKoiter
 from kshell.shell.chart_recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart_supports import ChartSupports
 from kshell.shell.chart_surface import ChartLike, ChartSurface, jets_of_basis
-from kshell.shell.discretisation import USE_KOITER, OfPlace
+from kshell.shell.discretisation import AXIS, USE_KOITER, OfPlace
 from kshell.shell.section import Section
 from kshell.shell.supports import Reduction
 
@@ -132,14 +133,53 @@ class ArgyrisDiscretisation:
         row[3 * self.surface.scalar[triangle].astype(np.int64) + axis] = shape[0, 0, 0]
         return row
 
-    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> Any:
-        """Not on this element.
+    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """Stiffness of springs along an axis, or against the rotation about an edge.
 
         Raises
         ------
         InputError
+            For rotation springs elsewhere than on curves.
         """
-        raise InputError(f"{what}: Argyris elements on a chart have no springs: {USE_KOITER}")
+        surface = self.surface
+        if letter == "r":
+            return self._rotation_spring(chosen, stiffness, what)
+        axis = AXIS[letter]
+        if chosen.dimension == 0:
+            unknowns = 18 * chosen.members.astype(np.int64)[:, None] + axis
+            k = stiffness(self._vertices()[0][chosen.members])
+            return self._scatter(unknowns, k[:, None, None])
+        if chosen.dimension == 1:
+            parts = []
+            for triangles, points, weights, shape in chart_loads.values_on_edges(surface, chosen.members):
+                weighted = (weights * stiffness(points))[..., None] * shape
+                blocks = np.matmul(shape.swapaxes(1, 2), weighted)
+                parts.append(self._scatter(3 * surface.scalar[triangles].astype(np.int64) + axis, blocks))
+            return sum(parts[1:], parts[0])
+        points, weight = self.interior_points(chosen.members)
+        shape = surface.shape(surface.tables[:1], chosen.members)[0]
+        blocks = np.matmul(shape.swapaxes(1, 2), (weight * stiffness(points))[..., None] * shape)
+        return self._scatter(3 * surface.scalar[chosen.members].astype(np.int64) + axis, blocks)
+
+    def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """The turn about an edge is n . du/dmu, mu the conormal."""
+        if chosen.dimension != 1:
+            raise InputError(
+                f"{what}: a rotation spring needs a curve, its rotation is the one about it; '{chosen.label}' is a "
+                f"{'point' if chosen.dimension == 0 else 'surface'}"
+            )
+        parts = []
+        for triangles, points, weights, n, slope in chart_loads.slopes(self.surface, chosen.members):
+            # (triangle, q, 63), component by component as the unknowns of a triangle
+            turn = np.concatenate([n[m][..., None] * slope for m in range(3)], axis=2)
+            blocks = np.matmul(turn.swapaxes(1, 2), (weights * stiffness(points))[..., None] * turn)
+            parts.append(self._scatter(self.surface.triangle_unknowns[triangles].astype(np.int64), blocks))
+        return sum(parts[1:], parts[0])
+
+    def _scatter(self, unknowns: NDArray[np.int64], blocks: Floats) -> sp.csr_matrix:
+        n = unknowns.shape[1]
+        where = (np.repeat(unknowns, n, axis=1).ravel(), np.tile(unknowns, (1, n)).ravel())
+        return sp.csr_matrix((blocks.ravel(), where), shape=(self.unknowns, self.unknowns))
 
 
 class ArgyrisConditions:
@@ -150,32 +190,31 @@ class ArgyrisConditions:
         self.kernel = ChartSupports(surface)
 
     def translations(self, chosen: Selection, letters: str, value: OfPlace, axes: Any = None) -> None:
-        """Hold the components named by letters of vertices or along edges."""
-        self._no_surface(chosen)
-        if axes is not None:
-            raise InputError(
-                f"support on '{chosen.label}': Argyris elements on a chart hold translations along the global axes "
-                f"only: {USE_KOITER}"
-            )
-        mesh = self.surface.mesh
-        vertices = chosen.members if chosen.dimension == 0 else np.unique(mesh.edges[chosen.members])
-        x = self.surface.chart.derivatives(*mesh.points[vertices, :2].T, order=0)[0]
-        values = value(x)
-        if np.ptp(values, axis=0).max() > 1e-12 * np.abs(values).max():
-            raise InputError(
-                f"support on '{chosen.label}': Argyris elements on a chart take a constant prescribed translation per "
-                f"group: {USE_KOITER}"
-            )
-        hold = self.kernel.vertex if chosen.dimension == 0 else self.kernel.translation
-        hold(chosen.members, letters, values[0])
+        """Hold the components named by letters, in own axes (3, 3) if given, of vertices, edges or triangles."""
+        for letter in letters:
+            axis = np.eye(3)[AXIS[letter]] if axes is None else np.array(axes["xyz".index(letter)])
+
+            def along(x: Floats, axis: Floats = axis) -> Floats:
+                return value(x) @ axis
+
+            if chosen.dimension == 0:
+                self.kernel.at_vertices(chosen.members, axis, along)
+            elif chosen.dimension == 1:
+                self.kernel.along_edges(chosen.members, axis, along)
+            else:
+                self.kernel.over_triangles(chosen.members, axis, along)
 
     def rotations(self, chosen: Selection, what: str) -> None:
         """Hold the rotation about edges."""
-        self._no_surface(chosen)
         if chosen.dimension == 0:
             raise InputError(
                 f"{what}: a point of a shell has no rotation of its own to hold; hold its translations, for example "
                 "with simply_supported, or clamp a short edge"
+            )
+        if chosen.dimension == 2:
+            raise InputError(
+                f"{what}: the smooth functions of Argyris elements on a chart would not bend at all if no edge of a "
+                f"surface may turn: hold the rotation on curves, or {USE_KOITER}"
             )
         self.kernel.rotation(chosen.members)
 
@@ -186,11 +225,3 @@ class ArgyrisConditions:
     def reduction(self) -> Reduction:
         """The motions left."""
         return self.kernel.reduction()
-
-    @staticmethod
-    def _no_surface(chosen: Selection) -> None:
-        if chosen.dimension == 2:
-            raise InputError(
-                f"support on '{chosen.label}': Argyris elements on a chart are held on curves and points, not on "
-                f"surfaces: {USE_KOITER}"
-            )

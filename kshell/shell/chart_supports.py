@@ -14,18 +14,24 @@ m^a        direction in the parameter plane across the edge: at right angles to 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.shell.chart_surface import ChartSurface
+from kshell.shell.discretisation import USE_KOITER
 from kshell.shell.supports import AXES, PLANAR, Reduction, snapped
 
 Floats = NDArray[np.float64]
+OfPlace = Callable[[Floats], Floats]
 
 # equations on scaled unknowns count as dependent below this singular value
 DEPENDENT = 1e-8
+# step of differences of prescribed values, in the edge length
+STEP = 0.02
 # positions of the second derivatives uu, uv, vv among the unknowns of a vertex
 SECOND = np.array([[3, 4], [4, 5]])
 
@@ -51,6 +57,69 @@ class ChartSupports:
                 rows = np.einsum("nk,x->nkx", coefficients, c).reshape(len(vertices), 18)
                 first = coefficients[0, 0] != 0.0  # the value itself; its derivatives along the edge vanish
                 self._add(vertices, rows, np.full(len(vertices), value if first else 0.0))
+
+    def at_vertices(self, vertices: ArrayLike, direction: ArrayLike, value: OfPlace) -> None:
+        """Prescribe the translation of vertices along a unit direction, `value` of their places (n, 3)."""
+        vertices = np.atleast_1d(np.asarray(vertices, dtype=np.int64))
+        rows = np.zeros((len(vertices), 18))
+        rows[:, :3] = direction
+        x = self.surface.chart.derivatives(*self.surface.mesh.points[vertices, :2].T, order=0)[0]
+        self._add(vertices, rows, value(x))
+
+    def along_edges(self, edges: ArrayLike, direction: ArrayLike, value: OfPlace) -> None:
+        """Prescribe the translation of edges along a unit direction, `value` of the places (n, 3) along them.
+
+        The quintic along an edge takes the value and its first two derivatives from its ends.
+        """
+        for vertices, t in self._ends(edges):
+            prescribed = self._differences(vertices, t, value)
+            for coefficients, right in zip(_along_edge(t), prescribed, strict=True):
+                rows = np.einsum("nk,x->nkx", coefficients, np.asarray(direction)).reshape(len(vertices), 18)
+                self._add(vertices, rows, right)
+
+    def over_triangles(self, triangles: NDArray, direction: ArrayLike, value: OfPlace) -> None:
+        """Prescribe the translation of the whole shell along a unit direction, the same at all places.
+
+        Raises
+        ------
+        InputError
+            If the value varies, or if the triangles are a part of the shell: second derivatives are continuous at
+            vertices, so holding them on one side of a border bends the shell on the other side wrongly.
+        """
+        mesh = self.surface.mesh
+        inside = np.bincount(mesh.triangle_edges[triangles].ravel(), minlength=len(mesh.edges))
+        border = np.flatnonzero((inside > 0) & (inside < mesh.edge_counts))
+        if len(border):
+            at = mesh.points[mesh.edges[border[0]]].mean(axis=0)
+            raise InputError(
+                "Argyris functions on a chart have continuous curvature, which a part of the shell that is held would "
+                f"impose on the rest across its border, e.g. at (u, v) = ({at[0]:.6g}, {at[1]:.6g}): hold the border "
+                f"curve and leave that part out of the mesh, or {USE_KOITER}"
+            )
+        vertices = np.unique(mesh.triangles[triangles])
+        values = value(self.surface.chart.derivatives(*mesh.points[vertices, :2].T, order=0)[0])
+        if np.ptp(values) > 1e-12 * np.abs(values).max():
+            raise InputError(
+                "a prescribed translation that varies over a surface is not possible with Argyris elements on a chart, "
+                f"whose functions cannot follow it inside triangles: prescribe it on curves, or {USE_KOITER}"
+            )
+        for k in range(6):
+            rows = np.zeros((len(vertices), 6, 3))
+            rows[:, k] = direction
+            self._add(vertices, rows.reshape(-1, 18), values if k == 0 else np.zeros(len(vertices)))
+        self._slopes.append((np.unique(mesh.triangle_edges[triangles]), np.asarray(direction)[None]))
+
+    def _differences(self, vertices: NDArray, t: Floats, value: OfPlace) -> list[Floats]:
+        """Value, d/dT and d2/dT2 at vertices, by central differences of order 6 along the edge."""
+        step = STEP * self._size[vertices]
+        offsets = step[:, None] * np.arange(-3, 4)  # (vertex, 7)
+        uv = self.surface.mesh.points[vertices, None, :2] + offsets[..., None] * t[:, None]
+        x = self.surface.chart.derivatives(uv[..., 0].ravel(), uv[..., 1].ravel(), order=0)[0]
+        values = value(x).reshape(len(vertices), 7)
+        values_less = values - values[:, 3:4]  # exact zeros for constants
+        first = values_less @ np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
+        second = values_less @ np.array([2, -27, 270, -490, 270, -27, 2]) / 180
+        return [values[:, 3], first / step, second / step**2]
 
     def rotation(self, edges: ArrayLike, directions: ArrayLike | None = None) -> None:
         """No rotation about edges: n . u,m = 0, or c . u,m = 0 for every row c of `directions` (k, 3).

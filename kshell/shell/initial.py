@@ -1,86 +1,112 @@
-"""Strains at which a shell is free of stress: temperature and initial curvature.
+"""Strains at which a shell is free of stress: initial strain and curvature, and temperature, which is both.
 
-The membrane part goes through the same interpolation as the strain of the displacement, so a shell that
-may expand freely stays free of stress.
+A `StressFree` state has the strain E and the change of curvature kappa in the frame of recovery.py. A strain
+also changes the curvature of a curved surface: where a uniform strain e only makes the shell larger, b - B = e B,
+and no moment may be left. So kappa here counts beyond - (E B + B E) / 2, B the second fundamental form.
+
+On triangles (koiter.py) the membrane part goes through the same interpolation as the strain of the displacement,
+so a shell that may expand freely stays free of stress; on charts (argyris.py) strains are those of the
+quadrature points.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.shell.frames import components, covariant_to_frame, tangent_frame
+from kshell.shell.argyris import ChartKoiter
+from kshell.shell.frames import components, contravariant_to_frame, tangent_frame
 from kshell.shell.koiter import Koiter
 from kshell.shell.loads import Value, evaluate
 from kshell.shell.reference import TWICE, first_derivatives, lagrange
-from kshell.shell.vectors import cross, dot
+from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
 
 
-def temperature_strain(
-    koiter: Koiter, mean: Value, gradient: Value, expansion: float, triangles: NDArray | None = None
-) -> Floats:
-    """Initial strains s of a rise of temperature, zero outside `triangles`: (triangle, 2 r).
+@dataclass(frozen=True)
+class StressFree:
+    """What a shell takes up without stress.
 
-    A uniform rise scales the shell, which changes its second fundamental form: b - B = strain B.
-
-    Parameters
+    Attributes
     ----------
-    mean : value
-        At the midsurface.
-    gradient : value
-        Change per length towards the normal.
-    expansion : float
-        Strain per degree.
+    strain : value
+        Tensor E_11, E_22, E_12 of the midsurface, a constant or a function of points.
+    curvature : value
+        Tensor kappa_11, kappa_22, kappa_12; > 0 makes the top longer than the bottom.
     """
-    surface, ref = koiter.surface, koiter.surface.reference
-    chosen = np.arange(len(surface.mesh.triangles)) if triangles is None else np.asarray(triangles)
+
+    strain: Value = (0.0, 0.0, 0.0)
+    curvature: Value = (0.0, 0.0, 0.0)
+
+
+def temperature(mean: Value, gradient: Value, expansion: float = 1.0) -> StressFree:
+    """Of a rise of temperature: `mean` at the midsurface, `gradient` per length towards the normal."""
+
+    def isotropic(value: Value) -> Value:
+        def at(points: Floats) -> Floats:
+            e = expansion * evaluate(value, points, 1)
+            return np.stack([e, e, np.zeros_like(e)], axis=-1)
+
+        return at
+
+    return StressFree(isotropic(mean), isotropic(gradient))
+
+
+def initial_strain(energy: Koiter | ChartKoiter, state: StressFree, triangles: Ints | None = None) -> Floats:
+    """The strains s of the energy in that state, zero outside `triangles`: (triangle, r)."""
+    result = np.zeros_like(energy.initial)
+    chosen = np.arange(len(result)) if triangles is None else np.asarray(triangles)
+    if isinstance(energy, ChartKoiter):
+        chart = energy.surface
+        first, second = chart.first[:, :, chosen], chart.second[:, :, chosen]
+        points = np.moveaxis(chart.positions[:, chosen], 0, 2)
+        both = [_strain(state, points, first), _curvature(state, points, first, second)]
+        result[chosen] = np.concatenate(both, axis=2).reshape(len(chosen), -1)
+        return result
+    surface, ref = energy.surface, energy.surface.reference
     nodes = surface.nodes[surface.triangle_nodes[chosen]]
-    result = np.zeros_like(koiter.initial)
-    r = ref.strains
-
-    def metric(tables: Floats) -> Floats:
-        x1, x2 = surface.tangents(tables, chosen)
-        return np.stack([dot(x1, x1), dot(x2, x2), dot(x1, x2)], axis=-1)  # (triangle, point, v)
-
     points = np.einsum("sn,tnx->tsx", lagrange(surface.order, ref.regge_points), nodes)
-    strain = (
-        expansion
-        * evaluate(mean, points, 1)[..., None]
-        * metric(first_derivatives(surface.order, ref.regge_points))
-    )
-    result[chosen, :r] = np.einsum("rsv,tsv->tr", ref.regge_weights, strain)
+    first = surface.tangents(first_derivatives(surface.order, ref.regge_points), chosen)
+    strain = _strain(state, points, first)
+    result[chosen, : ref.strains] = np.einsum("rsv,tsv->tr", ref.regge_weights, strain)
 
     points = np.einsum("qn,tnx->tqx", ref.values, nodes)
-    curvature = expansion * evaluate(gradient, points, 1)[..., None] * metric(ref.first)
-    x1, x2 = surface.tangents(ref.first, chosen)
-    normal = cross(x1, x2) / surface.area_elements[chosen]
-    form = np.stack([dot(normal, b) for b in surface.jets(surface.nodes, ref.second, chosen)], axis=-1)
-    curvature -= expansion * evaluate(mean, points, 1)[..., None] * form
-    result[chosen, r:] = _measured(koiter, curvature, chosen)
+    second = surface.jets(surface.nodes, ref.second, chosen)
+    curvature = _curvature(state, points, surface.tangents(ref.first, chosen), second)
+    result[chosen, ref.strains :] = _measured(energy, curvature, chosen)
     return result
 
 
-def curvature_strain(koiter: Koiter, curvature: Value, triangles: NDArray | None = None) -> Floats:
-    """Initial strains s of a curvature kappa (11, 22, 12) in the frame of recovery.py: (triangle, 2 r).
-
-    kappa > 0 makes the top longer than the bottom. `curvature` has three components: a constant or a
-    callable of points.
-    """
-    surface, ref = koiter.surface, koiter.surface.reference
-    chosen = np.arange(len(surface.mesh.triangles)) if triangles is None else np.asarray(triangles)
-    points = np.einsum("qn,tnx->tqx", ref.values, surface.nodes[surface.triangle_nodes[chosen]])
-    x = surface.tangents(ref.first, chosen)
-    e1, e2, _ = tangent_frame(x)
-    matrix = np.moveaxis(covariant_to_frame(components(x, e1, e2)), (0, 1), (2, 3))
-    local = np.linalg.solve(matrix, (evaluate(curvature, points, 3) * TWICE)[..., None])[..., 0]
-    result = np.zeros_like(koiter.initial)
-    result[chosen, ref.strains :] = _measured(koiter, local, chosen)
-    return result
+def _strain(state: StressFree, points: Floats, first: Floats) -> Floats:
+    """Covariant E_11, E_22, E_12 at points (triangle, point, 3) with tangents (2, 3, triangle, point)."""
+    f = components(first, *tangent_frame(first)[:2])
+    return _covariant(f, evaluate(state.strain, points, 3))
 
 
-def _measured(koiter: Koiter, curvature: Floats, triangles: NDArray) -> Floats:
+def _curvature(state: StressFree, points: Floats, first: Floats, second: Floats) -> Floats:
+    """Covariant kappa of the state: kappa - (E B + B E) / 2, all in the frame."""
+    f = components(first, *tangent_frame(first)[:2])
+    normal = cross(first[0], first[1])
+    normal = normal / norm(normal)
+    form = np.stack([dot(normal, b) for b in second])  # B_11, B_22, B_12
+    (a, b), (c, d) = f
+    inverse = np.stack([np.stack([d, -c]), np.stack([-b, a])]) / (a * d - b * c)
+    b11, b22, b12 = np.einsum("vwtq,wtq->vtq", contravariant_to_frame(inverse), form)
+    e11, e22, e12 = np.moveaxis(evaluate(state.strain, points, 3), -1, 0)
+    product = [e11 * b11 + e12 * b12, e22 * b22 + e12 * b12, 0.5 * (e12 * (b11 + b22) + b12 * (e11 + e22))]
+    return _covariant(f, evaluate(state.curvature, points, 3) - np.stack(product, axis=-1))
+
+
+def _covariant(f: Floats, tensor: Floats) -> Floats:
+    """T_ab = f_ia f_jb T_ij, listed 11, 22, 12: (triangle, point, 3) from the same in the frame."""
+    return np.einsum("vwtq,tqw->tqv", contravariant_to_frame(np.swapaxes(f, 0, 1)), tensor)
+
+
+def _measured(koiter: Koiter, curvature: Floats, triangles: Ints) -> Floats:
     """l_r = int kappa : tau_r of covariant components (triangle, q, v)."""
     surface, ref = koiter.surface, koiter.surface.reference
     weighted = curvature * TWICE * (ref.weights / surface.area_elements[triangles])[..., None]

@@ -80,7 +80,8 @@ def solve_linear(
     if basis.shape[1]:
         _require_stiff(koiter, stiffness, springs, _softest(stiffness, basis, solve))
     x = reduction.given.copy()
-    energy = 0.0
+    # against what initial strains would store in a blocked shell, too: it may not move at all
+    energy = float(np.sum(koiter.initial * koiter.stress(koiter.initial)))
     corrections: list[float] = []
     for _ in range(MOST_REFINEMENTS):
         stress = koiter.stress(koiter.linear_strain(x))

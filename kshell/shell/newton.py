@@ -20,7 +20,8 @@ Floats = NDArray[np.float64]
 MOST_ITERATIONS = 25
 # work of the last residual on the last correction, against the work of the load; the error is its square
 FINISHED = 1e-13
-# growth of that work over its first value, after which an iteration is given up
+# growth of that work over its first two values, after which an iteration is given up; the second may be (L / t)^2
+# times the first, because the first step bends the shell and stretches it on the way
 DIVERGED = 1e5
 # iterations without a new smallest work, after which it is given up: near a limit point it wanders for ever
 PATIENCE = 6
@@ -59,7 +60,7 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
         scale = abs(energy.value) + abs(factor * float(growth @ x))
         if iteration > 1 and work <= FINISHED * scale:
             return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
-        if not np.isfinite(work) or (first > 0.0 and work > DIVERGED * first):
+        if not np.isfinite(work) or (iteration > 2 and work > DIVERGED * first):
             break
         first = max(first, work)
         if work < best * scale:

@@ -195,7 +195,9 @@ def _discretise(
         from kshell.shell.argyris_discretisation import ArgyrisDiscretisation
 
         if len(hinges):
-            raise InputError(f"support hinge: Argyris elements on a chart have no hinges: {USE_KOITER}")
+            raise InputError(
+                f"support hinge: Argyris functions on a chart are smooth, so there are no hinges: {USE_KOITER}"
+            )
         return ArgyrisDiscretisation(mesh, scene.chart)
     lift: Callable[[Floats], Floats] | None = None
     if scene.chart is not None:

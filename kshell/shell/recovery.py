@@ -115,7 +115,7 @@ def chart_resultants(
     ----------
     x : (unknowns,)
     points, triangles :
-        As in `resultants`. Initial strains are those of the nearest quadrature point.
+        As in `resultants`. Initial strains are those of the cubic nearest to the ones of the quadrature points.
     """
     surface, section = koiter.surface, koiter.section
     chosen = np.arange(len(surface.scalar)) if triangles is None else np.asarray(triangles)
@@ -134,9 +134,9 @@ def chart_resultants(
         squares = (dot(u[0], u[0]), dot(u[1], u[1]), dot(u[0], u[1]))
         membrane = [e + 0.5 * square for e, square in zip(membrane, squares, strict=True)]
         bending = list(-curvature_change(first, second, u[:2], u[2:]).change)
-    nearest = np.argmin(((points[:, None] - surface.points) ** 2).sum(axis=2), axis=1)
-    initial = koiter.initial[chosen].reshape(len(chosen), -1, 6)[:, nearest]
-    covariant = np.stack(membrane + bending) - np.moveaxis(initial, 2, 0)
+    between = lagrange(3, points) @ np.linalg.pinv(lagrange(3, surface.points))
+    initial = np.einsum("pq,tqs->stp", between, koiter.initial[chosen].reshape(len(chosen), -1, 6))
+    covariant = np.stack(membrane + bending) - initial
 
     _, b, d, angle = section_at(section, chosen)
     to_frame = covariant_to_frame(components(first, *tangent_frame(first, section.direction, angle)[:2]))

@@ -17,7 +17,7 @@ from kshell.mesh.words import place
 from kshell.section import Section
 from kshell.shell.discretisation import USE_KOITER
 from kshell.shell.equilibrium import Follower
-from kshell.shell.initial import curvature_strain, temperature_strain
+from kshell.shell.initial import StressFree, initial_strain, temperature
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -84,6 +84,7 @@ class _Builder:
             "point_moment": self._point,
             "temperature": self._temperature,
             "initial_curvature": self._initial_curvature,
+            "initial_strain": self._initial_strain,
         }
 
     def add(self, load: Any) -> None:
@@ -155,34 +156,30 @@ class _Builder:
         self.out.forces.append(self.kernel.edge_moment(self.surface, load.at, edges))
 
     def _point(self, load: Any) -> None:
-        apply = getattr(self.kernel, load.kind, None)
-        if apply is None:
-            raise InputError(
-                f"{load}: {self.discretisation.name} elements on a chart do not have it: {USE_KOITER}"
-            )
+        apply = getattr(self.kernel, load.kind)
         for vertex in self._select(load, 0).members:
             value = load.at(self.mesh.points[[vertex]])[0]
             self.out.forces.append(apply(self.surface, int(vertex), value))
 
     def _temperature(self, load: Any) -> None:
-        self._require_koiter(load)
-
         def gradient(points: Floats) -> Floats:
             return -load.curvature_at(points)[..., 0]  # expansion times gradient
 
-        self._initial(temperature_strain(self.energy, load.strain_at, gradient, 1.0, self._triangles(load)))
+        self._initial(load, temperature(load.strain_at, gradient))
 
     def _initial_curvature(self, load: Any) -> None:
-        self._require_koiter(load)
-        triangles = self._triangles(load)
         # the scene gives w'', the change of curvature of the shell is minus that
-        self._initial(curvature_strain(self.energy, lambda points: -load.curvature_at(points), triangles))
+        self._initial(load, StressFree(curvature=lambda points: -load.curvature_at(points)))
 
-    def _initial(self, strain: Floats) -> None:
+    def _initial_strain(self, load: Any) -> None:
+        self._initial(load, StressFree(strain=load.at))
+
+    def _initial(self, load: Any, state: StressFree) -> None:
+        strain = initial_strain(self.energy, state, self._triangles(load))
         self.out.initial = strain if self.out.initial is None else self.out.initial + strain
 
     def _require_koiter(self, load: Any) -> None:
         if self.discretisation.name != "koiter":
             raise InputError(
-                f"{load}: {self.discretisation.name} elements on a chart do not have it: {USE_KOITER}"
+                f"{load}: a pressure that follows the surface is for Koiter elements: {USE_KOITER}"
             )

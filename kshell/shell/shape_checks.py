@@ -1,4 +1,4 @@
-"""What is doubtful about the shape of a shell, with numbers and places: too thick, faceted, touching itself."""
+"""What is doubtful about the shape of a shell, with numbers and places: too thick or thin, faceted, touching itself."""
 
 from __future__ import annotations
 
@@ -11,12 +11,17 @@ from scipy.spatial import cKDTree
 from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
+from kshell.modelling import THINNEST_ARGYRIS
 from kshell.section import Section
 
 Floats = NDArray[np.float64]
 
 # thin-shell theory neglects t / R against 1; beyond this part of the radius it says little
 THICK = 0.5
+# thickness against the size below which triangles of order 1 lock where they are irregular
+THINNEST_LINEAR = 1e-3
+# sine of the angle between triangles of a flat shell: rounding
+FLAT = 1e-6
 # the search for triangles that cross each other looks at pairs, up to so many triangles
 SEARCHED = 30_000
 ON_TRIANGLE = 1e-6  # distance from a triangle, in its size, that is none
@@ -33,7 +38,12 @@ def shape_warnings(mesh: Mesh, discretisation: Any, section: Section) -> list[st
     discretisation : KoiterDiscretisation or ArgyrisDiscretisation
     section : Section
     """
-    return [*_thick(mesh, discretisation, section), *_faceted(mesh), *_crossing(mesh)]
+    return [
+        *_thick(mesh, discretisation, section),
+        *_locking(mesh, discretisation, section),
+        *_faceted(mesh),
+        *_crossing(mesh),
+    ]
 
 
 def _thick(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
@@ -47,6 +57,32 @@ def _thick(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
     return [
         f"the shell is thick: at {place(centres[worst])} the thickness {t[worst]:.4g} is more than half of the radius "
         f"of curvature {1 / curvature[worst]:.4g}; a thin-shell model is not to be trusted there"
+    ]
+
+
+def _locking(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
+    """Elements that cannot bend a thin curved shell without stretching it; taken only where they were asked for."""
+    argyris = discretisation.name == "argyris"
+    if not argyris and discretisation.order > 1:
+        return []
+    centres = mesh.points[mesh.triangles].mean(axis=1)
+    t = float(section.thickness(np.arange(len(mesh.triangles)), centres[:, None]).min())
+    size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    if t >= (THINNEST_ARGYRIS if argyris else THINNEST_LINEAR) * size:
+        return []
+    corners = mesh.points[mesh.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    if np.linalg.norm(np.cross(normal, normal[0]), axis=1).max() < FLAT:
+        return []
+    what, instead = (
+        ('element = "argyris" on a chart', 'leave element out or take "koiter"')
+        if argyris
+        else ("order = 1 on irregular triangles", "leave order out or take 2 or 3")
+    )
+    return [
+        f"the shell is thin, {t:.3g} at a size of {size:.3g}: {what} is too stiff then, because it cannot bend without "
+        f"stretching (membrane locking); {instead}"
     ]
 
 

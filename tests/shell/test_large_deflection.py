@@ -35,6 +35,17 @@ def test_cantilever_under_end_shear_in_one_step(order, n, tolerance):
     assert path[-1].negative == 0
 
 
+@pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4, 1e-5])
+def test_a_thin_cantilever_needs_no_more_iterations_than_a_thick_one(ratio):
+    """The second iterate may have (L / t)^2 times the work of the first; that is no divergence."""
+    section = Section.isotropic(1200 / (10 * ratio) ** 3, 0.0, 10 * ratio)  # EI = 100
+    model, problem = cantilever(2, 8, lambda s, e: loads.line_force(s, [0, 0, 4.0], e), section=section)
+    path = load_path(problem, steps=1).states
+    assert path[-1].x[3 * model.vertex(10.0, 0.0) + 2] == pytest.approx(6.69964, rel=1e-3)
+    assert len(path) == 2
+    assert path[-1].iterations <= 9
+
+
 @pytest.mark.parametrize(
     ("alpha", "w", "u"), [(1, 0.30172077379981, 0.056433236283377), (2, 0.49345748039671, 0.16064172082517)]
 )

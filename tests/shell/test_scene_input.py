@@ -172,12 +172,19 @@ def test_what_plates_do_not_have_is_refused_not_ignored(changes):
 
 
 ONLY_KOITER = {
-    "hinge": ({"supports": [ks.Clamped("end"), ks.Hinge("inside")]}, "no hinges"),
-    "spring": ({"supports": [ks.Clamped("end"), ks.Elastic("far", 1.0)]}, "no springs"),
-    "temperature": ({"loads": [ks.Temperature(mean=1.0, expansion=1e-5)]}, "do not have it"),
-    "point moment": ({"loads": [ks.PointMoment((1, 0, 0), (1, 0, 0))]}, "do not have it"),
-    "surface": ({"supports": [ks.Clamped("end"), ks.Fixed("tube", "z")]}, "not on surfaces"),
-    "varying motion": ({"supports": [ks.Clamped("end", ["x", 0, 0])]}, "constant prescribed"),
+    "hinge": ({"supports": [ks.Clamped("end"), ks.Hinge("inside")]}, "smooth.*no hinges"),
+    "varying over a surface": (
+        {"supports": [ks.Clamped("end"), ks.Fixed("tube", "z", value=(0, 0, "1e-3*z"))]},
+        "varies over a surface",
+    ),
+    "rotation of a surface": (
+        {"supports": [ks.Clamped("end"), ks.Fixed("tube", "zr")], "loads": [ks.Pressure(1.0)]},
+        "hold the rotation on curves",
+    ),
+    "part of the surface": (
+        {"supports": [ks.Clamped("end"), ks.Fixed("part", "z")], "loads": [ks.Pressure(1.0)]},
+        r"continuous curvature.*border curve",
+    ),
 }
 
 
@@ -187,7 +194,7 @@ def test_what_argyris_on_a_chart_does_not_have_is_named_and_koiter_has_it(change
     mesh = scene.read_mesh()
     inside = mesh.edges[(np.abs(mesh.points[mesh.edges][:, :, 0] - np.pi / 6) < 1e-9).all(axis=1)]
     groups = {name: mesh.edges[group.members] for name, group in mesh.groups.items() if group.dimension == 1}
-    groups |= {"inside": inside, "tube": mesh.triangles}
+    groups |= {"inside": inside, "tube": mesh.triangles, "part": mesh.triangles[:9]}
     scene = dataclasses.replace(
         scene, mesh=ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups), **changes
     )

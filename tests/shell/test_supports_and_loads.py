@@ -6,7 +6,7 @@ import pytest
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.shell import loads, matrices
-from kshell.shell.initial import curvature_strain, temperature_strain
+from kshell.shell.initial import StressFree, initial_strain, temperature
 from kshell.shell.koiter import Koiter
 from kshell.shell.linear import solve_linear
 from kshell.shell.reactions import resultant, rotation_axes
@@ -183,7 +183,7 @@ def test_hinge_between_sheets_carries_no_moment():
 def test_free_expansion_leaves_no_stress(order):
     surface = Surface(rectangle(3, 3, 0, 1, 0, 1), order, cylinder(0.7))
     koiter = Koiter(surface, Section.isotropic(1e3, 0.3, 0.1))
-    koiter.initial = temperature_strain(koiter, 10.0, 0.0, 1e-3)
+    koiter.initial = initial_strain(koiter, temperature(10.0, 0.0, 1e-3))
     blocked = np.abs(koiter.stress(koiter.initial)).max()
     supports = Supports(surface)
     for node, axes in ((0, "xyz"), (3, "xz"), (12, "z")):
@@ -199,8 +199,8 @@ def test_free_expansion_leaves_no_stress(order):
 def test_temperature_gradient_and_initial_curvature_bend_alike():
     tips = []
     for strain in (
-        lambda k: curvature_strain(k, [0.02, 0.02, 0.0]),
-        lambda k: temperature_strain(k, 0.0, 20.0, 1e-3),
+        lambda k: initial_strain(k, StressFree(curvature=[0.02, 0.02, 0.0])),
+        lambda k: initial_strain(k, temperature(0.0, 20.0, 1e-3)),
     ):
         model = cantilever(2, Section.isotropic(12.0, 0.0, 1.0))
         model.koiter.initial = strain(model.koiter)

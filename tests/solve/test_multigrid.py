@@ -10,6 +10,8 @@ from kshell.errors import InputError, SolveError
 from kshell.solve import prepare, solve_system
 from kshell.solve.multigrid import hierarchy
 from kshell.solve.multigrid import solver as multigrid
+from kshell.solve.multigrid.cloud import Cloud
+from kshell.solve.multigrid.coarsen import coarsen
 
 from .plates import (
     SUPPORTS,
@@ -70,6 +72,25 @@ def test_graded(supports):
     solution = run(problem)
     assert solution.iterations <= 18
     assert energy_error(problem, solution.x) < 4e-8
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.25])
+def test_coarse_triangles_on_the_boundary_are_not_flat(jitter):
+    """Flat ones carry stiff functions: at free edges the iterations grew with the number of levels."""
+    cloud = Cloud.of_space(plate(mesh_of(*square(96, jitter)), "morley", "mixed").space)
+    for level in range(3):
+        cloud = coarsen(cloud).cloud
+        edges, line = cloud.edges
+        pairs = {tuple(sorted(pair)) for pair in edges[line].tolist()}
+        heights = []
+        for triangle in cloud.triangles:
+            for k in range(3):
+                a, b, apex = triangle[[k, (k + 1) % 3, (k + 2) % 3]].tolist()
+                if (min(a, b), max(a, b)) in pairs:
+                    along, up = cloud.points[b] - cloud.points[a], cloud.points[apex] - cloud.points[a]
+                    heights.append(abs(along[0] * up[1] - along[1] * up[0]) / (along @ along))
+        if level:  # on the first level the fine mesh keeps them apart
+            assert np.quantile(heights, 0.05) > 0.28
 
 
 def test_iterations_do_not_grow():
@@ -215,6 +236,7 @@ def test_many_holes_coarsen_all_the_same():
 
 def test_aggregation_takes_over_where_coarsening_stalls(monkeypatch):
     monkeypatch.setattr(hierarchy, "STALL", 0.0)
+    monkeypatch.setattr(hierarchy, "COARSEST", 1200)
     monkeypatch.setattr(hierarchy, "LARGEST_FACTOR", 10)
     problem = plate(mesh_of(*square(24)), "morley", "mixed")
     solution = run(problem)

@@ -1,4 +1,4 @@
-"""The notebooks on plates: they run, and what is committed is what the scripts make."""
+"""The notebooks: they run, and what is committed is what the scripts make."""
 
 import json
 from pathlib import Path
@@ -9,7 +9,7 @@ import pytest
 import verification.notebooks.make as making
 
 FOLDER = Path(making.__file__).parent
-PICTURES = {"plates": 4, "supports": 4, "materials": 3, "failures": 8}
+PICTURES = {"plates": 4, "supports": 4, "materials": 3, "failures": 15, "shells": 9, "large_deflections": 7}
 QUICK = {
     "quick = False": "quick = True",
     "sizes = (4, 8, 16, 32)": "sizes = (4, 8)",
@@ -19,7 +19,9 @@ SAYS = {
     "plates": ("reference   0.004062352661", "6 layers: w = 0.0115"),
     "supports": ("CCCC: largest deflection 0.001265", "true curve"),
     "materials": ("material.crossply.sinus.ba1", "Eliminating the stress"),
-    "failures": ("Babuska", "moment over it", "valence 6"),
+    "failures": ("Babuska", "moment over it", "valence 6", "Regge", "hinge, tangent"),
+    "shells": ("reference       -0.300592457", "observed order", "Koiter 2571.96514"),
+    "large_deflections": ("0.713791524", "for small deflections", "table 0.7421, 0.1729"),
 }
 
 

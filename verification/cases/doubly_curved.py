@@ -10,7 +10,7 @@ import kshell as ks
 from verification.cases import meshes
 from verification.cases.case import Case, case
 from verification.cases.quantities import Compliance, Moves, Tensor
-from verification.cases.shell import Parameters, Shell, runs, to_both_ends
+from verification.cases.shell import Parameters, Shell, runs, to_both_ends, to_end
 
 LEANING = 1 / np.sqrt(3)
 
@@ -89,6 +89,25 @@ def spheres() -> Iterator[Case]:
         )
 
 
+def rims() -> Iterator[Case]:
+    """The rim of a hemisphere, R = 1, t = 0.01, under a force of 1 per length outwards."""
+    sector = Parameters((0, 0.2), (np.pi / 6, np.pi / 2), ("cuts", "cuts", "far", "rim"), grade_v=to_end)
+    rim = (1.0, 0.0, 0.0)
+    scene = {
+        "thickness": 0.01,
+        "material": ks.Isotropic(E=1.0, nu=0.3),
+        "supports": [ks.Symmetry("cuts"), ks.Fixed("far", "z")],  # the latter carries nothing
+        "loads": [ks.LineForce("rim", ("x", "y", 0))],
+    }
+    yield case(
+        "shell.sphere.edge",
+        "rim of a hemisphere, t/R = 0.01, under a force of 1 per length along it",
+        Shell(ks.geometry.Sphere(), lambda n: sector.mesh(max(n // 6, 2), n), scene),
+        {"w_rim": Moves(rim, (1, 0, 0)), "slope_rim": Moves(rim, (0, -1, 0), "rotation")},
+        runs((32, 64), (18, 36), (12, 24), argyris=(8, 16)),
+    )
+
+
 def hypars() -> Iterator[Case]:
     """z = x^2 - y^2, clamped at x = -1/2, under its own weight of 8000 per volume; half of it."""
     half = Parameters(
@@ -114,4 +133,4 @@ def hypars() -> Iterator[Case]:
 
 def cases() -> list[Case]:
     """All of them."""
-    return [one for family in (hemispheres, spheres, hypars) for one in family()]
+    return [one for family in (hemispheres, spheres, rims, hypars) for one in family()]

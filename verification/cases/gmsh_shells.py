@@ -18,8 +18,11 @@ SCENES = {
     "hemisphere_hole": ("shell.hemisphere.hole", 2),
     "raasch_hook": ("shell.raasch", 2),
     "twisted_beam": ("shell.twisted_beam.across", TRUE_SURFACE),
+    "twisted_beam_thin": ("shell.twisted_beam.across.thin", TRUE_SURFACE),
     "hypar": ("shell.hypar.t0.01", 2),
+    "hypar_thin": ("shell.hypar.t0.001", 2),
     "tube": ("shell.tube.force", TRUE_SURFACE),
+    "sphere_edge": ("shell.sphere.edge", TRUE_SURFACE),
     "pressurised_sphere": ("shell.sphere.pressure.t0.01", 2),
 }
 

@@ -28,6 +28,11 @@ def to_start(power: float) -> Grade:
     return lambda s: s**power
 
 
+def to_end(s: Floats) -> Floats:
+    """Smaller cells towards the end."""
+    return 1.0 - (1.0 - s) ** 1.5
+
+
 def to_both_ends(s: Floats) -> Floats:
     """Smaller cells towards both ends."""
     return 0.5 - 0.5 * np.cos(np.pi * s)

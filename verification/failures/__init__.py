@@ -8,12 +8,19 @@ from functools import cache
 from verification.failures import (
     conditioning,
     corners,
+    crease,
     curved_support,
     discrete_curvature,
+    hinges,
+    known_bending,
+    locking,
+    newton,
     origin,
     point_supports,
     poisson,
+    textbook,
     thin_triangles,
+    time_steps,
 )
 from verification.failures.failure import Failure, Numbers
 
@@ -28,6 +35,13 @@ GALLERY: dict[str, Failure] = {
         conditioning,
         point_supports,
         discrete_curvature,
+        locking,
+        newton,
+        time_steps,
+        textbook,
+        hinges,
+        known_bending,
+        crease,
     )
 }
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Floats = NDArray[np.float64]
+MOST_COLUMNS = 12
 Numbers = Mapping[str, Floats]  # columns of equal length
 
 
@@ -47,7 +48,13 @@ class Failure:
 
 
 def text_table(numbers: Numbers) -> str:
-    """Columns under their names."""
+    """Columns under their names; many of them as rows beside their names."""
+    if len(numbers) > MOST_COLUMNS:
+        start = max(map(len, numbers))
+        return "\n".join(
+            f"{name:{start}}" + "".join(f"{value:12.4g}" for value in values)
+            for name, values in numbers.items()
+        )
     width = [max(len(name), 11) for name in numbers]
     lines = ["  ".join(name.rjust(w) for name, w in zip(numbers, width, strict=True))]
     for row in zip(*numbers.values(), strict=True):

@@ -76,3 +76,55 @@ _ = show("point_supports")
 
 # %%
 _ = show("discrete_curvature")
+
+# %% [markdown]
+# ## Membrane locking
+#
+# Bending without stretching needs $E = 0$ all over a triangle. If the polynomials cannot do that but for $u = 0$, the
+# membrane energy, $(R/t)^2$ times that of bending, keeps the shell straight.
+
+# %%
+_ = show("locking")
+
+# %% [markdown]
+# ## Newton's method on thin strips
+
+# %%
+_ = show("newton")
+
+# %% [markdown]
+# ## Explicit and implicit time steps
+#
+# An explicit step is stable for $\Delta t \le 2/\omega_{max}$; the fastest motion of a mesh is a wave that crosses
+# a triangle, and nobody looks at it.
+
+# %%
+_ = show("time_steps")
+
+# %% [markdown]
+# ## Textbook numbers
+
+# %%
+_ = show("textbook")
+
+# %% [markdown]
+# ## Hinges
+#
+# $E = \sum_e \frac{3}{2} D \frac{|e|^2}{A_1 + A_2}\theta_e^2$. On equilateral triangles this is the energy of a
+# plate with $3D$ and $\nu = -1/3$: right for the $(k_1 + k_2)^2$ of a sphere, three times too much for a cylinder.
+# On other triangulations it is the energy of other plates.
+
+# %%
+_ = show("hinges")
+
+# %% [markdown]
+# ## Surfaces whose bending energy is known
+
+# %%
+_ = show("known_bending")
+
+# %% [markdown]
+# ## A sharp crease
+
+# %%
+_ = show("crease")

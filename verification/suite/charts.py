@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from verification.cases import Outcome
+    from verification.cases.rates import Measured
 
 FLOOR = 1e-16  # errors below are drawn here
 MARKS = {  # and what the legend calls it
@@ -122,21 +123,31 @@ def _times(report: Report) -> Figure:
 
 
 def _rates(report: Report) -> Figure:
-    """Observed rates beside the expected ones."""
+    """Observed rates beside the expected ones: plate elements, and Koiter elements and charts."""
+    from matplotlib.figure import Figure
+
     measured = [block.measured for block in report.blocks if block.measured is not None]
-    figure, axes = _figure(1.2 + 0.17 * len(measured))
-    y = np.arange(len(measured))[::-1]
-    expected = np.array([one.row.rate for one in measured])
-    axes.plot(expected, y, "|", color="black", markersize=11, label="expected")
-    observed = np.array([one.rate for one in measured])
-    for method, (marker, colour, words) in MARKS.items():
-        own = np.array([one.row.method == method for one in measured])
-        if own.any():
-            axes.plot(observed[own], y[own], marker, color=colour, markersize=5, label=words)
-    axes.set_yticks(
-        y, [f"{one.row.case} {one.row.quantity}, {one.row.name}" for one in measured], fontsize=6.5
-    )
-    axes.set(xlabel="rate of convergence in the mesh size", title="Observed rates beside the expected ones")
-    axes.grid(axis="x", alpha=0.25)
-    axes.legend(fontsize=8, loc="lower right")
+    parts: dict[str, list[Measured]] = {"plates": [], "Koiter elements, and Argyris on charts": []}
+    for one in measured:
+        parts[list(parts)[one.row.method.startswith("koiter") or one.row.case.startswith("shell.")]].append(
+            one
+        )
+    parts = {name: some for name, some in parts.items() if some}
+    longest = max(len(some) for some in parts.values())
+    figure = Figure(figsize=(8.5 * len(parts), 1.4 + 0.17 * longest), layout="constrained", dpi=110)
+    for axes, (name, some) in zip(
+        figure.subplots(1, len(parts), squeeze=False)[0], parts.items(), strict=True
+    ):
+        y = np.arange(len(some))[::-1]
+        axes.plot([one.row.rate for one in some], y, "|", color="black", markersize=11, label="expected")
+        observed = np.array([one.rate for one in some])
+        for method, (marker, colour, words) in MARKS.items():
+            own = np.array([one.row.method == method for one in some])
+            if own.any():
+                axes.plot(observed[own], y[own], marker, color=colour, markersize=5, label=words)
+        labels = [f"{one.row.case} {one.row.quantity}, {one.row.name}" for one in some]
+        axes.set_yticks(y, labels, fontsize=6.5)
+        axes.set(xlabel="rate of convergence in the mesh size", title=f"Observed and expected rates: {name}")
+        axes.grid(axis="x", alpha=0.25)
+        axes.legend(fontsize=8, loc="lower right")
     return figure

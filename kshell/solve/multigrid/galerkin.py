@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-CHUNK = 300_000  # rows of A P at a time: the whole would be the largest matrix of the setup
+CHUNK = 120_000  # rows of A P at a time: the whole would be the largest matrix of the setup
+CONVERTED = 12_000  # rows at a time from blocks to entries
 
 
 def galerkin(matrix: Any, prolongation: Any) -> Any:
@@ -51,11 +52,30 @@ def galerkin(matrix: Any, prolongation: Any) -> Any:
 
 
 def entries(blocks: Any) -> Any:
-    """A matrix of blocks entry by entry: CSR, sorted, without stored zeros. It is faster to multiply with."""
-    matrix = blocks.tocsr()
-    del blocks  # the caller may have given it away: then its memory is free for what follows
-    matrix.eliminate_zeros()
-    matrix.sort_indices()
+    """A matrix of blocks entry by entry, as CSR. It is faster to multiply with.
+
+    Blocks of one row keep their numbers where they are, zeros included. Of larger blocks only what is not zero
+    is taken, in sorted rows, some rows at a time.
+    """
+    import scipy.sparse as sp
+
+    height, width = blocks.blocksize
+    if height == 1:
+        columns = (width * blocks.indices[:, None] + np.arange(width, dtype=blocks.indices.dtype)).ravel()
+        return sp.csr_matrix((blocks.data.ravel(), columns, width * blocks.indptr), shape=blocks.shape)
+    count = np.count_nonzero(blocks.data)
+    data, indices = np.empty(count), np.empty(count, dtype=blocks.indices.dtype)
+    pointer = np.zeros(blocks.shape[0] + 1, dtype=blocks.indptr.dtype)
+    for first in range(0, blocks.shape[0], CONVERTED):
+        rows = slice(first, min(first + CONVERTED, blocks.shape[0]))
+        part = block_rows(blocks, rows).tocsr()
+        part.eliminate_zeros()
+        part.sort_indices()
+        begin = pointer[first]
+        data[begin : begin + part.nnz], indices[begin : begin + part.nnz] = part.data, part.indices
+        pointer[first + 1 : rows.stop + 1] = begin + part.indptr[1:]
+    matrix = sp.csr_matrix((data, indices, pointer), shape=blocks.shape)
+    matrix.has_sorted_indices = True
     return matrix
 
 

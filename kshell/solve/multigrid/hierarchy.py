@@ -1,10 +1,11 @@
 """The multigrid hierarchy of a plate, as a `pyamg.MultilevelSolver` with PyAMG's smoothers.
 
 Level 0 is the element, level 1 for Argyris the vertex space, all others are reduced-HCT spaces on ever fewer
-vertices; every coarse matrix is the Galerkin product R A P with R = P^T. Smoothing is a Gauss-Seidel sweep
+vertices; every coarse matrix is the Galerkin product R A P with R = P^T. Smoothing is Gauss-Seidel,
 forward before and backward after the coarse correction, so the cycle is symmetric. Everything is in double
-precision: rounding a coarse matrix to single precision would exceed its smallest eigenvalues, which fall like
-(mesh size / length)^4.
+precision. Single precision was tried: up to 7e5 unknowns the same iterations, 1.3 to 1.8 times faster each, with two
+thirds of the memory. But the rounded matrices are indefinite once their smallest eigenvalues, which fall like
+(mesh size / length)^4, are below the rounding: the iteration broke down on a cantilever of 1.1e6 unknowns.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from kshell.solve.multigrid.smoothers import set_smoothers
 from kshell.solve.multigrid.vertex_space import element_interpolation
 from kshell.solve.system import Floats, PlateSpace
 
-COARSEST = 1200  # unknowns that are left to the factorisation
+COARSEST = 3000  # unknowns that are left to the factorisation
 STALL = 0.6  # vertices left by a coarsening, as part of those before, above which it does not work
 LARGEST_FACTOR = 60_000  # unknowns of a level that is factorised where coarsening stalls
 SOFT = 1e-12  # stiffness of a free motion on the coarsest level, where regular ones stay above 1e-8
@@ -99,17 +100,18 @@ def build(matrix: Any, space: PlateSpace) -> Hierarchy:
     from pyamg.multilevel import MultilevelSolver
 
     blocks, vertices, notes, cloud = prolongations(space)
-    levels = []
-    a = matrix
+    levels: list[Any] = []
     product = sp.bsr_matrix((matrix.data[:, None, None], matrix.indices, matrix.indptr), shape=matrix.shape)
     while blocks:
+        coarser = galerkin(product, blocks[0])
         level = MultilevelSolver.Level()
-        level.A = a
-        product = galerkin(product, blocks[0])
+        level.A = entries(product) if levels else matrix  # after the product: both at once would be the peak
         level.P = entries(blocks.pop(0))
         level.R = level.P.T
         levels.append(level)
-        a = entries(product)
+        product = coarser
+    a = entries(product)
+    del product, coarser
     last = MultilevelSolver.Level()
     last.A = a
     levels.append(last)
