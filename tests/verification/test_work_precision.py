@@ -11,6 +11,7 @@ from verification.cases import meshes
 from verification.peers.surfaces import FREEDOMS, SURFACES
 from verification.work_precision import measure, nodes, own, table, tables
 from verification.work_precision.catalogue import COMPARISONS
+from verification.work_precision.draw import chart
 from verification.work_precision.methods import BARE, METHODS
 from verification.work_precision.problems import mesh_of
 
@@ -131,6 +132,19 @@ def test_a_lucky_crossing_does_not_count_and_a_peer_that_is_first_is_called_so()
     assert tables.behind([COMPARISONS["square"]], fixed)[0][1].startswith(
         "fixed cost: kshell's smallest mesh takes 0.05"
     )
+
+
+def test_the_committed_tables_belong_to_the_committed_measurements():
+    facts, rows = table.read()
+    assert {"processor", "commit", "peers", "numpy"} <= set(facts)
+    found = {(row["problem"], row["method"]) for row in rows}
+    assert found == {(one.id, method) for one in COMPARISONS.values() for method in one.plan}
+    comparisons = list(COMPARISONS.values())
+    assert (table.FOLDER / "first.md").read_text(encoding="utf-8") == tables.first(comparisons, rows)
+    assert (table.FOLDER / "not_first.md").read_text(encoding="utf-8") == tables.not_first(comparisons, rows)
+    assert all((table.FOLDER / f"{name}.png").exists() for name in COMPARISONS)
+    figure = chart(COMPARISONS["square"], rows, facts)
+    assert "kshell Argyris" in [text.get_text() for text in figure.legends[0].get_texts()]
 
 
 def test_the_committed_benchmark_of_shells_has_its_summary():

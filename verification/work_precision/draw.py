@@ -116,4 +116,16 @@ def _panel(axes: Any, rows: Sequence[Row], name: str, x: str, uncertainty: float
         axes.set_ylim(bottom=floor)
     axes.set_ylim(top=min(2.0, axes.get_ylim()[1]))
     axes.grid(alpha=0.25)
+    _plain_ticks(axes)
     return lines
+
+
+def _plain_ticks(axes: Any) -> None:
+    """Numbers along x that do not run into each other: 1, 2 and 5 within one and a half decades, else powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    low, high = axes.get_xlim()
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    if high < 30 * low:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

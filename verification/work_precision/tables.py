@@ -113,6 +113,8 @@ def reason(standing: Standing, rows: Sequence[Row]) -> str:
     if ours is None:
         wins = [row[f"{standing.quantity} error"] for row in errors(rows, standing.quantity) if _is_ours(row)]
         return f"no mesh measured gets there, the closest to {min(wins, default=float('nan')):.1e}"
+    if by == "unknowns" and METHODS[ours["method"]].element == METHODS[peer["method"]].element:
+        return "the same element: supports by a penalty, as GetFEM has them, leave singular corners freer"
     if by == "unknowns":
         return f"{METHODS[peer['method']].id} has the higher order, or eliminates inside the elements"
     least = min(row["seconds"] for row in rows if _is_ours(row))
