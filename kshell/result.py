@@ -101,7 +101,7 @@ class Result:
     external_work: float = 0.0
     extremes: MutableMapping[str, dict[str, Any]] = field(default_factory=dict)
     cell_fields: MutableMapping[str, NDArray[Any]] = field(default_factory=dict)
-    edge_fields: dict[str, Floats] = field(default_factory=dict)
+    edge_fields: MutableMapping[str, Floats] = field(default_factory=dict)
     energies: dict[str, float] = field(default_factory=dict)
     path: list[dict[str, Any]] = field(default_factory=list)
     critical: list[dict[str, Any]] = field(default_factory=list)

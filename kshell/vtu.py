@@ -77,7 +77,7 @@ def at_nodes(
     name: str,
     values: Floats,
     fields: Mapping[str, Floats],
-    edge_fields: dict[str, Floats] | None = None,
+    edge_fields: Mapping[str, Floats] | None = None,
 ) -> Floats:
     """Values at vertices, and at mid-edge nodes where the mesh has them."""
     if mesh.midpoints is None:

@@ -2,6 +2,11 @@
 
 Element matrices are made directly in the unknowns (``transform`` carries scaling and supports) and added
 into a pattern found beforehand. Peak memory is the matrix and one block.
+
+One thread. Two were tried, with blocks made by a pool and added in order (the same matrix bit by bit). On two busy
+cores, runs in turn, the loop over blocks became 1.4 to 1.9 times faster for Morley and 1.1 to 1.2 times (median)
+for Argyris. The loop is a third of what comes before Morley's solution, so that less than 1.2 would be won there.
+Sparse products in two halves (median 0.3 and 1.0) and two sweeps of PyAMG at once (0.7 and 0.9) gained nothing.
 """
 
 from __future__ import annotations

@@ -40,6 +40,7 @@ Ints = NDArray[np.int64]
 
 POINTS = 16  # Gauss points along r and theta
 WITHIN = 0.999  # of the distance to what ends the region around a corner
+FEWER_POINTS = 8
 SECOND_RADIUS = 0.7  # the average over a smaller region must agree
 NO_CORNER = 1e-6  # sine of the angle between tangents
 STRAIGHT = 1e-9
@@ -116,12 +117,15 @@ class CornerForces:
             return np.zeros(0)
         place, end = np.array([corner.ends for corner in self.corners]).reshape(-1, 2).T
         forces = self._twist(place, end).reshape(-1, 2).sum(axis=1)
-        for k, corner in enumerate(self.corners):
-            averages = self._averages(corner)
-            if averages is not None:
-                wide, narrow = averages
-                if abs(wide - narrow) < abs(wide - forces[k]):
-                    forces[k] = wide
+        sectors = [(k, *found) for k, corner in enumerate(self.corners) if (found := self._sector(corner))]
+        if sectors:
+            which = np.array([k for k, *_ in sectors])
+            radius = np.array([r for _, _, _, r in sectors])
+            axes, stiffness = (np.array([sector[i] for sector in sectors]) for i in (1, 2))
+            wide = self._averages(which, axes, stiffness, radius, POINTS)
+            narrow = self._averages(which, axes, stiffness, SECOND_RADIUS * radius, FEWER_POINTS)
+            better = np.abs(wide - narrow) < np.abs(wide - forces[which])
+            forces[which[better]] = wide[better]
         return forces
 
     def _twist(self, place: Ints, end: Ints) -> Floats:
@@ -142,12 +146,10 @@ class CornerForces:
         )
         return leaves * value
 
-    def _averages(self, corner: Corner) -> tuple[float, float] | None:
-        """The force as averages of w over two regions, or None where the formula does not hold."""
+    def _sector(self, corner: Corner) -> tuple[Floats, Floats, float] | None:
+        """Directions of the edges (2, xy), D and the radius of a region around a corner, where the formula holds."""
         boundary = self._domain.boundary
-        axes = [
-            boundary.tangent[k, end] * (1.0 if end == 0 else -1.0) for k, end in corner.ends
-        ]  # away from it
+        axes = np.array([boundary.tangent[k, end] * (1.0 if end == 0 else -1.0) for k, end in corner.ends])
         constant = self._bending.constant
         if abs(axes[0] @ axes[1]) > STRAIGHT or constant is None or not self._at_rest:
             return None
@@ -155,25 +157,28 @@ class CornerForces:
         if not _is_isotropic(stiffness) or any(load.triangles is None for load in self._curvatures):
             return None
         radius = WITHIN * self._clear_radius(corner, axes, stiffness, constant)
-        if radius <= 0.0:
-            return None
-        wide, narrow = (self._average(corner, axes, stiffness, r) for r in (radius, SECOND_RADIUS * radius))
-        return wide, narrow
+        return (axes, stiffness, radius) if radius > 0.0 else None
 
-    def _average(self, corner: Corner, axes: list[Floats], stiffness: Floats, radius: float) -> float:
-        x, weight = interval_rule(POINTS)
-        r, angle = radius * x[:, None], np.pi / 2 * x
-        place = r[..., None] * (np.cos(angle)[:, None] * axes[0] + np.sin(angle)[:, None] * axes[1])
-        xy = (self._domain.points[corner.vertex] + place).reshape(-1, 2)
-        area = np.pi / 2 * radius * weight[:, None] * weight * r
+    def _averages(self, which: Ints, axes: Floats, stiffness: Floats, radius: Floats, points: int) -> Floats:
+        """The forces at some corners as averages over sectors with axes (corner, 2, xy) and radii (corner,)."""
+        x, weight = interval_rule(points)
+        angle = np.pi / 2 * x
+        unit = np.stack([np.cos(angle), np.sin(angle)], axis=1) @ axes  # (corner, theta, xy)
+        r = radius[:, None] * x  # (corner, r)
+        vertices = [corner.vertex for corner in self.corners]
+        start = self._domain.points[np.array(vertices)[which]]
+        xy = (start[:, None, None] + r[:, :, None, None] * unit[:, None]).reshape(-1, 2)
         found = self._fields.locator.find(xy)
-        w = self._fields.derivatives(found.triangles, found.xi, 0).reshape(area.shape)
-        q = self._pressure(found.triangles, xy).reshape(area.shape)
-        t = (r / radius) ** 2
-        d, twice = stiffness[0, 0], np.sin(2 * angle) * area
-        bilaplacian = 384 * (5 * t**2 - 4 * t) / radius**4
-        twist = float((((1 - t) ** 4 * q / d - w * bilaplacian) * twice).sum()) / (2 * np.pi)
-        return 2 * (d - stiffness[0, 1]) * twist
+        shape = (len(which), points, points)  # (corner, r, theta)
+        w = self._fields.derivatives(found.triangles, found.xi, 0).reshape(shape)
+        q = self._pressure(found.triangles, xy).reshape(shape)
+        t = (x**2)[:, None]
+        d = stiffness[:, 0, 0]
+        bilaplacian = 384 * (5 * t**2 - 4 * t) / radius[:, None, None] ** 4
+        area = np.pi / 2 * radius[:, None, None] * (r * weight)[:, :, None] * weight
+        density = (1 - t) ** 4 * q / d[:, None, None] - w * bilaplacian
+        twist = (density * np.sin(2 * angle) * area).sum(axis=(1, 2)) / (2 * np.pi)
+        return 2 * (d - stiffness[:, 0, 1]) * twist
 
     def _pressure(self, triangles: Ints, xy: Floats) -> Floats:
         total = np.zeros(len(xy))
@@ -189,9 +194,7 @@ class CornerForces:
     def _curvatures(self) -> list[CurvatureLoad]:
         return [load for load in self._loads if isinstance(load, CurvatureLoad)]
 
-    def _clear_radius(
-        self, corner: Corner, axes: list[Floats], stiffness: Floats, everywhere: Floats
-    ) -> float:
+    def _clear_radius(self, corner: Corner, axes: Floats, stiffness: Floats, everywhere: Floats) -> float:
         """Distance from a corner within which only its two simply supported edges, and pressure, act."""
         mesh, points = self._domain.mesh, self._domain.points
         own = np.zeros(len(mesh.edges), dtype=bool)

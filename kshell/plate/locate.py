@@ -14,7 +14,7 @@ from kshell.plate.domain import Domain
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FEW = 64  # triangles that are all looked at
+FEW = 64  # triangles that are all looked at, for as many points
 INSIDE = -1e-9  # smallest barycentric coordinate of a point that counts as inside
 AT_CURVED_EDGE = -0.3  # how far outside the straight triangle its polynomial may be used at a curved edge
 
@@ -58,10 +58,14 @@ class Locator:
         best = np.zeros(len(xy), dtype=np.int64)
         depth = np.full(len(xy), -np.inf)
         todo = np.arange(len(xy))
-        for count in (8, 64):  # near triangles first; on graded meshes the right one may be far down the list
+        for count in (
+            3,
+            12,
+            64,
+        ):  # near triangles first; on graded meshes the right one may be far down the list
             if not len(todo):
                 break
-            if n_triangles <= FEW:
+            if n_triangles <= FEW and len(todo) <= FEW:
                 near = np.broadcast_to(np.arange(n_triangles), (len(todo), n_triangles))
             else:
                 near = self._tree.query(xy[todo], k=min(count, n_triangles))[1].reshape(len(todo), -1)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.deferred import Deferred
 from kshell.mesh.mesh import Mesh
 from kshell.probing import probe_values
 from kshell.result import Result, no_error_estimate
@@ -38,6 +40,8 @@ def answer_state(problem: ShellProblem, state: State, work: float) -> Result:
     _, residual, _ = problem.equilibrium().evaluate(state.x, state.factor, 1, state.memory)
     solution = LinearSolution(state.x, -residual, np.zeros(0), ())
     result = _answer(problem, solution, _state_fields(problem, state), problem.forces_at(state), state.x)
+    # fields refer to the strains of this state, of which the energy keeps one at a time
+    result.fields, result.cell_fields = dict(result.fields), dict(result.cell_fields)
     result.external_work = work
     return result
 
@@ -119,7 +123,9 @@ def _answer(
     moved: Floats | None = None,
 ) -> Result:
     """Result of any solution; forces act at places displaced by `moved`."""
-    groups, balance = find_reactions(problem.discretisation, problem.supports, solution, loads, moved)
+    groups, balance = find_reactions(
+        problem.discretisation, problem.supports, solution, loads, problem.reduction, moved
+    )
     energies = _energies(problem, fields.recovery, solution)
     stretch = problem.energy.section.membrane.max() * np.abs(solution.x).max() ** 2
     if sum(energies.values()) <= NO_STRAIN * stretch:
@@ -137,7 +143,7 @@ def _answer(
     return Result(
         mesh=problem.space,
         fields=vertex_fields,
-        edge_fields={"displacement": fields.edge_displacement},
+        edge_fields=Deferred({"displacement": lambda: fields.edge_displacement}),
         cell_fields=fields.cell_fields,
         unknowns=problem.reduction.basis.shape[1],
         model={"kind": "shell"},
@@ -170,12 +176,17 @@ def _work(problem: ShellProblem, solution: LinearSolution) -> float:
     return 0.5 * float(problem.load @ solution.x + solution.forces @ problem.reduction.given)
 
 
-def _extremes(mesh: Mesh, fields: dict[str, Floats]) -> dict[str, dict[str, Any]]:
+def _extremes(mesh: Mesh, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
     """Largest displacement in size, and largest von Mises stress on any face, each with its vertex."""
-    size = np.linalg.norm(fields["displacement"], axis=1)
-    stress = np.max([fields[f"von_mises_{face}"] for face in ("top", "middle", "bottom")], axis=0)
-    out = {}
-    for name, values in (("deflection", size), ("von_mises", stress)):
+
+    def extreme(values: Floats) -> dict[str, Any]:
         place = int(np.argmax(values))
-        out[name] = {"value": float(values[place]), "at": mesh.points[place].tolist()}
-    return out
+        return {"value": float(values[place]), "at": mesh.points[place].tolist()}
+
+    faces = [f"von_mises_{face}" for face in ("top", "middle", "bottom")]
+    return Deferred(
+        {
+            "deflection": lambda: extreme(np.linalg.norm(fields["displacement"], axis=1)),
+            "von_mises": lambda: extreme(np.max([fields[name] for name in faces], axis=0)),
+        }
+    )

@@ -67,7 +67,9 @@ class ChartKoiter(StrainEnergy):
     def _point_stiffness(self, triangles: slice) -> Floats:
         surface = self.surface
         x = surface.first[:, :, triangles]
-        a, b, d, angle = section_at(self.section, triangles)
+        a, b, d, angle = section_at(
+            self.section, triangles, lambda: np.moveaxis(surface.positions[:, triangles], 0, 2)
+        )
         e1, e2, _ = tangent_frame(x, self.section.direction, angle)
         to_frame = np.moveaxis(covariant_to_frame(components(x, e1, e2)), (0, 1), (2, 3))
         left = np.swapaxes(to_frame, -1, -2)

@@ -17,6 +17,8 @@ and the moments m = G^-1 (l + H c): the second half of K s.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,12 +30,23 @@ from kshell.shell.surface import Surface
 Floats = NDArray[np.float64]
 
 
-def section_at(section: Section, triangles: slice | NDArray) -> tuple[Floats, Floats, Floats, Floats]:
-    """A, B, D (triangle or 1, 1, 3, 3) and angle (triangle or 1, 1) of a range of triangles."""
+def section_at(
+    section: Section, triangles: slice | NDArray, points: Callable[[], Floats]
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """A, B, D (triangle or 1, point or 1, 3, 3) and angle (triangle or 1, 1) of triangles.
+
+    Parameters
+    ----------
+    points : function
+        Gives the places (triangle, point, 3) in space; asked where the section varies inside triangles.
+    """
+    angle = section.angle[triangles] if len(section.angle) > 1 else section.angle
+    if section.varying is not None:
+        number = np.arange(triangles.stop)[triangles] if isinstance(triangles, slice) else triangles
+        return *section.varying(number, points()), angle[:, None]
     a, b, d = (
         m[triangles] if len(m) > 1 else m for m in (section.membrane, section.coupling, section.bending)
     )
-    angle = section.angle[triangles] if len(section.angle) > 1 else section.angle
     return a[:, None], b[:, None], d[:, None], angle[:, None]
 
 
@@ -59,7 +72,11 @@ def triangle_stiffness(surface: Surface, section: Section, triangles: slice) -> 
     reference = surface.reference
     x = surface.tangents(reference.first, triangles)
     j = surface.area_elements[triangles]
-    a, b, d, angle = section_at(section, triangles)
+
+    def places() -> Floats:
+        return np.einsum("qn,tnx->tqx", reference.values, surface.nodes[surface.triangle_nodes[triangles]])
+
+    a, b, d, angle = section_at(section, triangles, places)
     e1, e2, _ = tangent_frame(x, section.direction, angle)
     f = components(x, e1, e2)
     strain = np.moveaxis(covariant_to_frame(f), (0, 1), (2, 3))  # (triangle, q, 3, 3)

@@ -11,7 +11,6 @@ This module knows nothing else about shells; a discretisation supplies s, s' and
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -30,6 +29,13 @@ class Linear(NamedTuple):
 
     strain: Floats  # (triangle, r), less the initial ones
     gradients: list[Floats]  # s' of each block: (triangle, r, n)
+
+    def after(self, step: Floats, unknowns: NDArray[np.int32], blocks: list[slice]) -> Floats:
+        """s + s' step: (triangle, r)."""
+        result = self.strain.copy()
+        for triangles, gradient in zip(blocks, self.gradients, strict=True):
+            result[triangles] += np.matmul(gradient, step[unknowns[triangles], None])[:, :, 0]
+        return result
 
 
 class Energy(NamedTuple):
@@ -154,12 +160,7 @@ class StrainEnergy(ABC):
 
     def extrapolated_stress(self, linear: Linear, step: Floats) -> Floats:
         """K (s + s' step): the stress after a step if the strains were linear. (triangle, r)."""
-        result = np.empty_like(linear.strain)
-        for triangles, gradient in zip(self.blocks, linear.gradients, strict=True):
-            change = step[self.triangle_unknowns[triangles]]
-            strain = linear.strain[triangles] + np.matmul(gradient, change[:, :, None])[:, :, 0]
-            result[triangles] = self._apply(triangles, strain[:, :, None])[:, :, 0]
-        return result
+        return self.stress(linear.after(step, self.triangle_unknowns, self.blocks))
 
     def forces(self, linear: Linear, stress: Floats) -> Floats:
         """s'^T stress: (unknowns,) forces in equilibrium with a stress (triangle, r)."""
@@ -168,20 +169,23 @@ class StrainEnergy(ABC):
             forces[triangles] = np.matmul(stress[triangles, None, :], gradient)[:, 0]
         return self._gather(forces)
 
+    @cached_property
+    def at_rest(self) -> Linear:
+        """No strain, and its derivative at rest: the linear strains."""
+        x = np.zeros(self.unknowns)
+        gradients = [self._gradient(self._state(x, self.rest, t), t) for t in self.blocks]
+        return Linear(np.zeros_like(self.initial), gradients)
+
     def linear_stiffness(self) -> sp.csr_matrix:
         """Second derivative of the energy at rest, without initial strains."""
         room = self.sparsity.empty()
-        for triangles, gradient in self._rest_gradients():
+        for triangles, gradient in zip(self.blocks, self.at_rest.gradients, strict=True):
             self.sparsity.put(room, triangles, self._product(gradient, triangles))
         return self.sparsity.matrix(room)
 
     def linear_strain(self, x: Floats) -> Floats:
         """(triangle, r) strains to first order, less the initial ones."""
-        result = -self.initial
-        for triangles, gradient in self._rest_gradients():
-            change = x[self.triangle_unknowns[triangles]]
-            result[triangles] += np.matmul(gradient, change[:, :, None])[:, :, 0]
-        return result
+        return self.at_rest.after(x, self.triangle_unknowns, self.blocks) - self.initial
 
     def linear_forces(self, stress: Floats) -> Floats:
         """Forces on the unknowns (unknowns,) in equilibrium with a stress, at rest.
@@ -189,10 +193,7 @@ class StrainEnergy(ABC):
         With the stress of `linear_strain` this is the stiffness times x with far less rounding in thin
         shells: strains are formed before they are multiplied by the large membrane stiffness.
         """
-        forces = np.empty(self.triangle_unknowns.shape)
-        for triangles, gradient in self._rest_gradients():
-            forces[triangles] = np.matmul(stress[triangles, None, :], gradient)[:, 0]
-        return self._gather(forces)
+        return self.forces(self.at_rest, stress)
 
     def geometric_stiffness(self, stress: Floats) -> sp.csr_matrix:
         """sum_r stress_r s_r'' at rest (for buckling)."""
@@ -205,11 +206,6 @@ class StrainEnergy(ABC):
             matrices[:, : curved.shape[1], : curved.shape[1]] = curved
             self.sparsity.put(room, triangles, matrices)
         return self.sparsity.matrix(room)
-
-    def _rest_gradients(self) -> Iterator[tuple[slice, Floats]]:
-        x = np.zeros(self.unknowns)
-        for triangles in self.blocks:
-            yield triangles, self._gradient(self._state(x, self.rest, triangles), triangles)
 
     def _product(self, gradient: Floats, triangles: slice) -> Floats:
         return np.matmul(gradient.swapaxes(1, 2), self._apply(triangles, gradient))

@@ -91,7 +91,7 @@ class Problem:
 
     @cached_property
     def _factoriser(self) -> Factoriser:
-        return Factoriser(self.reduction, self.energy.elimination, symmetric=self._symmetric())
+        return Factoriser(self.reduction, self.energy, symmetric=self._symmetric())
 
     def _symmetric(self) -> bool:
         """Whether the tangent is symmetric in the free motions: follower loads may not be, at free edges.

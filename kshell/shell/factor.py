@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
+from kshell.shell.energy import StrainEnergy
 from kshell.shell.reduced import ReducedPattern
 from kshell.shell.supports import Reduction
 from kshell.solve.backends import CHOLMOD, PARDISO, Singular
@@ -28,19 +30,26 @@ class Factoriser:
     Parameters
     ----------
     reduction : Reduction
-    place : (unknowns,) int array
-        Place of each unknown in a good order of elimination, for SuperLU.
+    energy : StrainEnergy
+        Tells a good order of elimination, for SuperLU.
     symmetric : bool
         False for a tangent with follower loads, which is symmetric only up to terms on free edges.
     """
 
-    def __init__(self, reduction: Reduction, place: Ints, symmetric: bool = True) -> None:
-        self._basis, self._symmetric = reduction.basis, symmetric
-        first = self._basis.indices[self._basis.indptr[:-1]]
-        self._place = np.empty(len(first), dtype=np.int32)
-        self._place[np.argsort(place[first], kind="stable")] = np.arange(len(first), dtype=np.int32)
+    def __init__(self, reduction: Reduction, energy: StrainEnergy, symmetric: bool = True) -> None:
+        self._basis, self._energy, self._symmetric = reduction.basis, energy, symmetric
         self._patterns: dict[bool, ReducedPattern] = {}
         self._solvers: dict[type, Any] = {}
+
+    @cached_property
+    def _place(self) -> Ints:
+        """(free,) place of each free unknown: that of the first unknown it moves."""
+        order = np.argsort(
+            self._energy.elimination[self._basis.indices[self._basis.indptr[:-1]]], kind="stable"
+        )
+        place = np.empty(len(order), dtype=np.int32)
+        place[order] = np.arange(len(order), dtype=np.int32)
+        return place
 
     def factorise(self, matrix: sp.csr_matrix, definite: bool = True) -> Factor:
         """The matrix in the free unknowns, factorised. The factor serves until the next call.
@@ -70,17 +79,23 @@ class Factoriser:
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
 
-    def _with(self, kind: type, matrix: sp.csr_matrix) -> Factor:
-        lower = kind is not SuperLU
+    def reduced(self, matrix: sp.csr_matrix, lower: bool = True) -> tuple[ReducedPattern, Floats]:
+        """Pattern and entries of the matrix in the free unknowns: its lower triangle, or all of it."""
         pattern = self._patterns.get(lower)
         if pattern is None or not pattern.fits(matrix):
             pattern = ReducedPattern(matrix, self._basis, None if lower else self._place, lower)
             self._patterns[lower] = pattern
-            self._solvers = {k: s for k, s in self._solvers.items() if (k is SuperLU) == lower}
+            self._solvers = {
+                kind: solver for kind, solver in self._solvers.items() if (kind is SuperLU) == lower
+            }
+        return pattern, pattern.entries(matrix)
+
+    def _with(self, kind: type, matrix: sp.csr_matrix) -> Factor:
+        lower = kind is not SuperLU
+        pattern, entries = self.reduced(matrix, lower)
         if kind not in self._solvers:
             self._solvers[kind] = kind(pattern.indptr, pattern.indices)
-        solver = self._solvers[kind]
-        factor: Factor = solver.factorise(pattern.entries(matrix))
+        factor: Factor = self._solvers[kind].factorise(entries)
         if lower:
             return factor
         place = self._place

@@ -9,12 +9,13 @@ folds and branches, the vertex shows the patch with the largest stress.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.deferred import Deferred
 from kshell.mesh.mesh import Mesh
 from kshell.section import Section
 from kshell.shell.frames import plane_tangents, tangent_frame
@@ -97,30 +98,57 @@ class ShellFields:
         return means[place].reshape(values.shape)
 
     @cached_property
-    def vertex_fields(self) -> dict[str, Floats]:
+    def vertex_fields(self) -> Deferred[Floats]:
         """Fields at vertices, names as in `Result.fields`."""
-        mesh = self.mesh
-        every = np.arange(len(mesh.triangles))
-        u, rotation = self.recovery.displacement(VERTICES, every)
-        one = np.zeros(len(mesh.triangles), dtype=np.int64)
-        corners, frame = self._corners
+        spatial = ("membrane_force", "moment", *(f"stress_{face}" for face in FACES))
+        makers: dict[str, Callable[[], Floats]] = {
+            "displacement": lambda: self._vertex_displacement,
+            "rotation": lambda: self._vertex_rotation,
+            **{name: partial(self._vertex_tensor, name) for name in spatial},
+            **{f"von_mises_{face}": partial(self._vertex_von_mises, face) for face in FACES},
+            "principal_forces": lambda: principal(self._vertex_tensor("membrane_force")),
+            "principal_moments": lambda: principal(self._vertex_tensor("moment")),
+            "frame_axis_1": lambda: self._at_vertices(self._corners[1])[:, 0],
+            "normal": lambda: self._at_vertices(self._corners[1])[:, 2],
+        }
+        return Deferred(makers)
+
+    @cached_property
+    def _motion(self) -> tuple[Floats, Floats]:
+        """Displacement and rotation at the corners of triangles (triangle, 3, 3)."""
+        return self.recovery.displacement(VERTICES, np.arange(len(self.mesh.triangles)))
+
+    @cached_property
+    def _vertex_displacement(self) -> Floats:
+        """(vertex, 3); all triangles around a vertex share it."""
+        out = np.zeros((len(self.mesh.points), 3))
+        out[self.mesh.triangles] = self._motion[0]
+        return out
+
+    @cached_property
+    def _vertex_rotation(self) -> Floats:
+        one = np.zeros(len(self.mesh.triangles), dtype=np.int64)
+        return self._at_vertices(self._average(self._motion[1], one))
+
+    @cached_property
+    def _corner_of_vertex(self) -> Ints:
+        """(vertex,) the corner that is shown at each vertex: where patches meet that of the largest stress."""
+        corners, _ = self._corners
         shown = np.max([von_mises(corners[f"stress_{face}"]) for face in FACES], axis=0).ravel()
         order = np.argsort(shown, kind="stable")
-        corner = np.zeros(len(mesh.points), dtype=np.int64)
-        corner[mesh.triangles.ravel()[order]] = order  # the largest comes last and stays
+        corner = np.zeros(len(self.mesh.points), dtype=np.int64)
+        corner[self.mesh.triangles.ravel()[order]] = order  # the largest comes last and stays
+        return corner
 
-        def at_vertices(values: Floats) -> Floats:
-            return values.reshape(-1, *values.shape[2:])[corner]
+    def _at_vertices(self, values: Floats) -> Floats:
+        """(vertex, ...) of values at corners (triangle, 3, ...)."""
+        return values.reshape(-1, *values.shape[2:])[self._corner_of_vertex]
 
-        out = {"displacement": at_vertices(u), "rotation": at_vertices(self._average(rotation, one))}
-        out |= {name: at_vertices(values) for name, values in corners.items()}
-        for face in FACES:
-            out[f"von_mises_{face}"] = von_mises(out[f"stress_{face}"])
-        out["principal_forces"] = principal(out["membrane_force"])
-        out["principal_moments"] = principal(out["moment"])
-        axes = at_vertices(frame)
-        out["frame_axis_1"], out["normal"] = axes[:, 0], axes[:, 2]
-        return out
+    def _vertex_tensor(self, name: str) -> Floats:
+        return self._at_vertices(self._corners[0][name])
+
+    def _vertex_von_mises(self, face: str) -> Floats:
+        return von_mises(self._vertex_tensor(f"stress_{face}"))
 
     @cached_property
     def edge_displacement(self) -> Floats:
@@ -130,17 +158,22 @@ class ShellFields:
         return u[owner, local]
 
     @cached_property
-    def cell_fields(self) -> dict[str, Floats]:
+    def cell_fields(self) -> Deferred[Floats]:
         """Values at the centroids of triangles."""
         every = np.arange(len(self.mesh.triangles))
-        found, tensors = self.tensors(CENTROID, every)
-        return {
-            "thickness": self.section.thickness(every, found.position)[:, 0],
-            "membrane_force": tensors["membrane_force"][:, 0],
-            "moment": tensors["moment"][:, 0],
-            "frame_axis_1": found.axes[:, 0, 0],
-            "normal": found.axes[:, 0, 2],
-        }
+        return Deferred(
+            {
+                "thickness": lambda: self.section.thickness(every, self._centroids[0].position)[:, 0],
+                "membrane_force": lambda: self._centroids[1]["membrane_force"][:, 0],
+                "moment": lambda: self._centroids[1]["moment"][:, 0],
+                "frame_axis_1": lambda: self._centroids[0].axes[:, 0, 0],
+                "normal": lambda: self._centroids[0].axes[:, 0, 2],
+            }
+        )
+
+    @cached_property
+    def _centroids(self) -> tuple[Resultants, dict[str, Floats]]:
+        return self.tensors(CENTROID, np.arange(len(self.mesh.triangles)))
 
     def at(self, points: Floats) -> dict[str, Floats]:
         """Values at the points of the surface nearest to (n, 3) points.

@@ -113,6 +113,9 @@ class Koiter(StrainEnergy):
             self.stiffness[triangles] = triangle_stiffness(surface, section, triangles)
         self.initial = np.zeros((count, 2 * strains)) if initial is None else initial
         self.rest = rest_directors(surface)
+        self._both = np.concatenate([surface.reference.first, surface.reference.second])
+        self._rest_jets = surface.jets(surface.nodes, self._both)
+        self._edge_tangents = surface.tangents(surface.reference.edge_first)
 
     def _nodes(self, field: Floats, triangles: slice) -> Floats:
         """Nodal vectors (3, triangle, n), relative to the first node: only differences matter."""
@@ -127,12 +130,11 @@ class Koiter(StrainEnergy):
         stretch = tables.membrane_gradient(big + 0.5 * small)
         c = np.einsum("xtrj,xtj->tr", stretch, small)
 
-        both = np.concatenate([reference.first, reference.second])
-        at_rest = surface.jets(surface.nodes, both, triangles)
-        moved = surface.jets(u, both, triangles)
+        moved = surface.jets(u, self._both, triangles)
+        at_rest = self._rest_jets[:, :, triangles]
         curvature = kinematics.curvature_change(at_rest[:2], at_rest[2:], moved[:2], moved[2:])
 
-        base = surface.tangents(reference.edge_first, triangles)
+        base = self._edge_tangents[:, :, triangles]
         moved = surface.jets(u, reference.edge_first, triangles)
         if memory.base.any():
             shift = surface.jets(memory.base, reference.edge_first, triangles)
@@ -187,12 +189,11 @@ class Koiter(StrainEnergy):
         weights = at_points / surface.area_elements[triangles]
         half = tables.half_hessian(by_x, [[w * h for h in normal_by_x] for w in weights], by_edge)
         half = half.reshape(3, 3, -1, n, n)  # (component m, component l, triangle, node i, node j)
-
-        whole = half + half.transpose(1, 0, 2, 4, 3)
-        membrane = tables.membrane_hessian(stress[:, :r]).reshape(-1, n, n)
+        membrane = 0.5 * tables.membrane_hessian(stress[:, :r]).reshape(-1, n, n)
         for m in range(3):
-            whole[m, m] += membrane
-        return whole.transpose(2, 0, 3, 1, 4).reshape(-1, 3 * n, 3 * n)
+            half[m, m] += membrane
+        whole = np.ascontiguousarray(half.transpose(2, 0, 3, 1, 4)).reshape(-1, 3 * n, 3 * n)
+        return whole + whole.swapaxes(1, 2)
 
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         return np.matmul(self.stiffness[triangles], columns)

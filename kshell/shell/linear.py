@@ -75,7 +75,7 @@ def solve_linear(
         stiffness = stiffness + springs
     basis = reduction.basis
     # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
-    solve = Factoriser(reduction, koiter.elimination).factorise(stiffness).solve
+    solve = Factoriser(reduction, koiter).factorise(stiffness).solve
 
     if basis.shape[1]:
         _require_stiff(koiter, stiffness, springs, _softest(stiffness, basis, solve))

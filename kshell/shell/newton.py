@@ -14,12 +14,16 @@ from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.shell.equilibrium import Problem, State
+from kshell.solve.repeated import Factor
 
 Floats = NDArray[np.float64]
 
 MOST_ITERATIONS = 25
 # work of the last residual on the last correction, against the work of the load; the error is its square
 FINISHED = 1e-13
+# work below which the tangent has all but settled: it serves again while the work falls at such a rate
+SETTLED = 1e-5
+KEPT = 1e-3
 # growth of that work over its first two values, after which an iteration is given up; the second may be (L / t)^2
 # times the first, because the first step bends the shell and stretches it on the way
 DIVERGED = 1e5
@@ -39,19 +43,23 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
     x, stress = state.x, None
     shift = (factor - state.factor) * given
     moved = bool(np.any(shift))
-    first, definite = 0.0, state.negative == 0
+    first, work, definite = 0.0, np.inf, state.negative == 0
     best, best_at = np.inf, 0
+    tangent: Factor | None = None
     for iteration in range(1, most_iterations + 1):
-        energy, residual, growth = problem.evaluate(x, factor, 2, state.memory, stress)
+        energy, residual, growth = problem.evaluate(
+            x, factor, 2 if tangent is None else 1, state.memory, stress
+        )
         if not np.isfinite(energy.value):
             break
         if iteration == 1 and moved:
             residual = residual - energy.hessian @ shift
         reduced = basis.T @ residual
-        tangent = problem.factorise(energy.hessian, definite)
-        definite = tangent.definite
+        if tangent is None:
+            tangent = problem.factorise(energy.hessian, definite)
+            definite = tangent.definite
         step = tangent.solve(reduced)
-        work = abs(float(reduced @ step))
+        before, work = work, abs(float(reduced @ step))
         change = basis @ step
         if iteration == 1 and moved:
             change = change + shift
@@ -69,6 +77,8 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
             break
         if scale == 0.0 and not np.any(change):  # nothing loads or moves the shell
             return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
+        if not (work <= SETTLED * scale and work <= KEPT * before):
+            tangent = None
     raise SolveError(
         f"no equilibrium found at the load factor {factor:.6g} from {state.factor:.6g} in {iteration} iterations",
         state=state,

@@ -83,19 +83,25 @@ class ShellProblem:
         require_held(self.space, self.discretisation, self.reduction, self.springs)
 
     def _stiffness(self) -> Stiffness:
-        """A, B, D of the triangles; where the thickness varies inside them, their means over the triangle."""
+        """A, B, D about the meshed surface, offset below the middle of the material."""
         section, z = self.section, self.scene.offset
+
+        def at(triangles: NDArray[np.integer], points: Floats) -> tuple[Floats, Floats, Floats]:
+            a, b, d = (
+                section.membrane(triangles, points),
+                section.coupling,
+                section.bending(triangles, points),
+            )
+            return a, b + z * a, d + 2 * z * b + z * z * a
+
         triangles = np.arange(len(self.space.triangles))
         constant = not isinstance(self.scene.thickness, dict) and section.constant_per_triangle
         points, weight = self.discretisation.interior_points(triangles[:1] if constant else triangles)
         triangles = triangles[: len(points)]
         weight = (weight / weight.sum(axis=1, keepdims=True))[..., None, None]
-        a = (weight * section.membrane(triangles, points)).sum(axis=1)
-        d = (weight * section.bending(triangles, points)).sum(axis=1)
-        b = section.coupling
-        return Stiffness.from_stiffness(
-            a, d + 2 * z * b + z * z * a, b + z * a, direction=self.scene.direction
-        )
+        a, b, d = ((weight * m).sum(axis=1) for m in at(triangles, points))
+        stiffness = Stiffness.from_stiffness(a, d, b, direction=self.scene.direction)
+        return stiffness if section.constant_per_triangle else replace(stiffness, varying=at)
 
     def equilibrium(self) -> Problem:
         """The same for large deflections, all loads and prescribed motions growing with one factor."""
@@ -132,10 +138,7 @@ class ShellProblem:
 
     def reasons(self) -> list[str]:
         """Why this model, in words."""
-        out = [*self.choice.reasons]
-        if not self.section.constant_per_triangle:
-            out.append("thickness: the mean stiffness of each triangle is used")
-        return out
+        return [*self.choice.reasons]
 
     def warnings(self) -> list[str]:
         """What the user should know about the model."""

@@ -97,7 +97,7 @@ def resultants(
     position = np.einsum(
         "pn,tnx->tpx", lagrange(surface.order, points), surface.nodes[surface.triangle_nodes[chosen]]
     )
-    _, b, d, angle = section_at(section, chosen)
+    _, b, d, angle = section_at(section, chosen, lambda: position)
     f = components(x, *tangent_frame(x, section.direction, angle)[:2])
     e = np.einsum("vwtp,wtp->tpv", covariant_to_frame(f), covariant)
     moment = np.einsum("vwtp,wtp->tpv", contravariant_to_frame(f), contravariant)
@@ -138,18 +138,19 @@ def chart_resultants(
     initial = np.einsum("pq,tqs->stp", between, koiter.initial[chosen].reshape(len(chosen), -1, 6))
     covariant = np.stack(membrane + bending) - initial
 
-    _, b, d, angle = section_at(section, chosen)
+    position = np.moveaxis(position, 0, 2)
+    _, b, d, angle = section_at(section, chosen, lambda: position)
     to_frame = covariant_to_frame(components(first, *tangent_frame(first, section.direction, angle)[:2]))
     e, kappa = (np.einsum("vwtp,wtp->tpv", to_frame, part) for part in (covariant[:3], covariant[3:]))
     moment = (b @ e[..., None] + d @ kappa[..., None])[..., 0]
-    return _in_frame(section, chosen, np.moveaxis(position, 0, 2), first, e, kappa, moment)
+    return _in_frame(section, chosen, position, first, e, kappa, moment)
 
 
 def _in_frame(
     section: Section, chosen: NDArray, position: Floats, x: Floats, e: Floats, kappa: Floats, moment: Floats
 ) -> Resultants:
     """Strains and moments in the material axes, turned into the frame of the results."""
-    a, b, _, angle = section_at(section, chosen)
+    a, b, _, angle = section_at(section, chosen, lambda: position)
     force = a @ e[..., None] + b @ kappa[..., None]
     e1, e2, _ = tangent_frame(x, section.direction, angle)
     axes = np.stack(tangent_frame(x))

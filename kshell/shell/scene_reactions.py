@@ -7,6 +7,8 @@ work of r on rigid motions is force and moment, without any differentiation of t
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import cg
 
+from kshell.deferred import Deferred
 from kshell.shell.linear import LinearSolution
 from kshell.shell.scene_supports import SceneSupports
 from kshell.shell.supports import Reduction
@@ -28,12 +31,15 @@ def find_reactions(
     supports: SceneSupports,
     solution: LinearSolution,
     loads: list[Floats],
+    reduction: Reduction,
     moved: Floats | None = None,
-) -> tuple[dict[str, dict[str, Floats]], float]:
-    """Reactions per group, and the relative error of equilibrium.
+) -> tuple[Deferred[dict[str, Floats]], float]:
+    """Reactions per group, computed when they are looked at, and the relative error of equilibrium.
 
     Parameters
     ----------
+    reduction : Reduction
+        Of all supports together.
     moved : (unknowns,), optional
         Motion to the state in which forces have their arms; the shell at rest if absent.
 
@@ -46,24 +52,37 @@ def find_reactions(
     about_origin = discretisation.rigid_motions(np.zeros(3), 1.0, moved)
     centre, size = discretisation.extent()
     scaled = discretisation.rigid_motions(centre, size, moved)
-    parts = _shared(supports, solution.forces)
-    parts += [
+    springs = [
         (group.label, -(group.spring @ solution.x)) for group in supports.groups if group.spring is not None
     ]
-    groups: dict[str, dict[str, Floats]] = {}
-    for label, forces in parts:
-        total = about_origin.T @ forces
-        entry = groups.setdefault(label, {"force": np.zeros(3), "moment": np.zeros(3)})
-        entry["force"] = entry["force"] + total[:3]
-        entry["moment"] = entry["moment"] + total[3:]
-    totals = [scaled.T @ forces for forces in [*loads, *(forces for _, forces in parts)]]
+    labels = [group.label for group in supports.groups if group.conditions is not None]
+    labels += [label for label, _ in springs]
+
+    @cache
+    def groups() -> dict[str, dict[str, Floats]]:
+        out: dict[str, dict[str, Floats]] = {}
+        for label, forces in [*_shared(supports, solution.forces), *springs]:
+            total = about_origin.T @ forces
+            entry = out.setdefault(label, {"force": np.zeros(3), "moment": np.zeros(3)})
+            entry["force"] = entry["force"] + total[:3]
+            entry["moment"] = entry["moment"] + total[3:]
+        return out
+
+    by_label = Deferred({label: partial(_entry, groups, label) for label in dict.fromkeys(labels)})
+    # what all supports exert together needs no shares
+    held = [_projector(reduction) @ solution.forces] if len(labels) > len(springs) else []
+    totals = [scaled.T @ forces for forces in [*loads, *held, *(forces for _, forces in springs)]]
     if not totals:
-        return groups, 0.0
-    gross = (
-        max(float(np.abs(load * np.abs(scaled[:, :3]).max(axis=1)).sum()) for load in loads) if loads else 0.0
-    )
+        return by_label, 0.0
+    # forces of supports count one by one, too: of prescribed motion and initial strains nothing is left of their sum
+    translations = np.abs(scaled[:, :3]).max(axis=1)
+    gross = max((float(np.abs(forces * translations).sum()) for forces in [*loads, *held]), default=0.0)
     largest = max(float(np.abs(totals).max()), gross, 1e-300)
-    return groups, float(np.abs(np.sum(totals, axis=0)).max() / largest)
+    return by_label, float(np.abs(np.sum(totals, axis=0)).max() / largest)
+
+
+def _entry(groups: Callable[[], dict[str, dict[str, Floats]]], label: str) -> dict[str, Floats]:
+    return groups()[label]
 
 
 def _shared(supports: SceneSupports, forces: Floats) -> list[tuple[str, Floats]]:

@@ -121,9 +121,10 @@ def _add(out: SceneSupports, support: Any, on: Any, mesh: Mesh, discretisation: 
             out.groups.append(HeldGroup(chosen.label, spring=spring))
         return
     own = discretisation.conditions()
+    pieces = _planar_pieces(mesh, chosen) if support.kind == "symmetry" else []
     for conditions in (out.conditions, own):
         if support.kind == "symmetry":
-            for edges in _planar_pieces(mesh, chosen):
+            for edges in pieces:
                 try:
                     conditions.symmetry(edges)
                 except InputError as error:

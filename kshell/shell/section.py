@@ -10,6 +10,7 @@ A, B, D    integrals of the plane-stress stiffness Q over the thickness, with we
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.errors import InputError
 
 Floats = NDArray[np.float64]
+Varying = Callable[[NDArray[np.integer], Floats], tuple[Floats, Floats, Floats]]
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,9 @@ class Section:
         From the reference direction to the first material axis, in radians, positive about the normal.
     direction : (3,) or None
         Reference direction in space, projected onto the surface. None: the global x, or y where x is normal.
+    varying : function, optional
+        A, B, D (triangle, point, 3, 3) at points (triangle, point, 3) of triangles, where they vary inside triangles;
+        the arrays above are means then.
     """
 
     membrane: Floats
@@ -39,6 +44,7 @@ class Section:
     bending: Floats
     angle: Floats
     direction: Floats | None = None
+    varying: Varying | None = None
 
     @classmethod
     def from_stiffness(

@@ -48,13 +48,12 @@ class StrainTables:
 
         # half of the symmetric second derivative: 11 and 22 count half, 12 once
         share = [1.0 if a != b else 0.5 for a, b in PAIRS]
-        self._first_pairs = [
-            s * pair(ref.first[a], ref.first[b]) for s, (a, b) in zip(share, PAIRS, strict=True)
-        ]
-        self._mixed_pairs = [[pair(second, first) for first in ref.first] for second in ref.second]
-        self._edge_pairs = [
+        first_pairs = [s * pair(ref.first[a], ref.first[b]) for s, (a, b) in zip(share, PAIRS, strict=True)]
+        mixed_pairs = [pair(second, first) for second in ref.second for first in ref.first]
+        edge_pairs = [
             s * pair(ref.edge_first[a], ref.edge_first[b]) for s, (a, b) in zip(share, PAIRS, strict=True)
         ]
+        self._pairs = np.concatenate([*first_pairs, *mixed_pairs, *edge_pairs])  # (q or g of each, n n)
 
     def membrane_gradient(self, position: Floats) -> Floats:
         """d c_r / d x_j for nodes x (3, triangle, n): sum_i membrane_rij x_i, (3, triangle, r, n)."""
@@ -112,13 +111,14 @@ class StrainTables:
         -------
         (9 triangle, n n): rows are component of node i, component of node j, triangle.
         """
-        total = np.zeros((1, 1))
-        terms = [*zip(by_x, self._first_pairs, strict=True), *zip(by_edge, self._edge_pairs, strict=True)]
-        for mine, tables in zip(by_second, self._mixed_pairs, strict=True):
-            terms += zip(mine, tables, strict=True)
-        for values, table in terms:
-            total = total + values.reshape(-1, len(table)) @ table
-        return total
+        # one product with all tables below each other: values side by side
+        values = [*by_x, *(mine for of_second in by_second for mine in of_second), *by_edge]
+        columns = np.empty((*values[0].shape[:3], len(self._pairs)))
+        begin = 0
+        for mine in values:
+            columns[..., begin : begin + mine.shape[3]] = mine
+            begin += mine.shape[3]
+        return columns.reshape(-1, begin) @ self._pairs
 
 
 @lru_cache(maxsize=3)

@@ -13,9 +13,12 @@ Floats = NDArray[np.float64]
 
 def cross(a: Floats, b: Floats) -> Floats:
     """Vector product of (3, ...) arrays."""
-    return np.stack(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]],
-    )
+    result = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        np.multiply(a[j], b[k], out=result[i])
+        result[i] -= a[k] * b[j]
+    return result
 
 
 def dot(a: Floats, b: Floats) -> Floats:

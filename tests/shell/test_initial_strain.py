@@ -72,6 +72,8 @@ def test_a_clamped_patch_carries_it(section, element):
     np.testing.assert_allclose(probe["N"], -a @ STRAIN, rtol=1e-7)
     np.testing.assert_allclose(probe["M"], -b @ STRAIN, atol=1e-9 * np.abs(a).max() * 0.02 * 2e-3)
     assert np.abs(result.fields["displacement"]).max() < 1e-12
+    assert result.balance < 1e-9
+    assert not result.warnings
 
 
 def test_a_strain_that_varies_is_that_of_a_known_displacement():

@@ -9,7 +9,15 @@ import pytest
 import verification.notebooks.make as making
 
 FOLDER = Path(making.__file__).parent
-PICTURES = {"plates": 4, "supports": 4, "materials": 3, "failures": 15, "shells": 9, "large_deflections": 7}
+PICTURES = {
+    "plates": 4,
+    "supports": 4,
+    "materials": 3,
+    "failures": 15,
+    "shells": 9,
+    "large_deflections": 7,
+    "work_precision": 5,
+}
 QUICK = {
     "quick = False": "quick = True",
     "sizes = (4, 8, 16, 32)": "sizes = (4, 8)",
@@ -21,6 +29,7 @@ SAYS = {
     "materials": ("material.crossply.sinus.ba1", "Eliminating the stress"),
     "failures": ("Babuska", "moment over it", "valence 6", "Regge", "hinge, tangent"),
     "shells": ("reference       -0.300592457", "observed order", "Koiter 2571.96514"),
+    "work_precision": ("| problem | quantity | error |", "deflection 2.66e-06, in the table 2.66e-06"),
     "large_deflections": ("0.713791524", "for small deflections", "table 0.7421, 0.1729"),
 }
 

@@ -12,7 +12,7 @@ from kshell.cli import run as kshell
 from kshell.errors import InputError, SolveError
 from verification.cases import all_cases, find
 from verification.cases.rates import RATES
-from verification.suite import verify
+from verification.suite import summary, verify
 from verification.suite.command import not_run
 from verification.suite.machine import machine
 from verification.suite.run import run_blocks
@@ -80,6 +80,10 @@ def test_full_run_writes_page_table_and_charts(few, tmp_path, capsys):
     assert "Timoshenko" in page
     assert "B.ssss.freq" in page
     assert "written: " in capsys.readouterr().out
+    words = summary.table(*summary.read(folder))
+    assert f"2: 2 plates, 0 {next(iter(summary.KINDS))}" in words
+    assert "and 1 rates of convergence" in words
+    assert "failed | none" in words
 
 
 def test_what_takes_long_is_said_to_be_left_to_the_full_suite():
@@ -145,3 +149,10 @@ def test_a_wheel_has_what_verify_needs(tmp_path):
     for name in packages - {"verification.meshes"}:
         assert (root / name.replace(".", "/")).is_dir()
     assert given["package_dir"] == {"verification.meshes": "meshes"}
+
+
+def test_the_readme_has_the_place_of_the_summary():
+    text = (summary.HERE / "README.md").read_text(encoding="utf-8")
+    assert text.count(summary.BEGIN) == text.count(summary.END) == 1
+    for chart in ("margins.png", "rates.png", "errors.png"):
+        assert f"pictures/suite/{chart}" in text

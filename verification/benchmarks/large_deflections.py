@@ -1,7 +1,7 @@
 """Large deflections against references: value, error, seconds, load steps and iterations.
 
 Run with ``python -m verification.benchmarks.large_deflections [--long]``; with --long also the refinement of the slit
-annulus, the laminated roof, and the profile of an iteration at 100,000 unknowns.
+annulus and the laminated roof. `verification.benchmarks.newton` times an iteration phase by phase.
 """
 
 from __future__ import annotations
@@ -194,34 +194,6 @@ def pull_out() -> None:
           f"{time.perf_counter() - begin:.1f} s", flush=True)  # fmt: skip
 
 
-def profile(n: int = 75) -> None:
-    """One Newton iteration of a roof of order 2 with about 100,000 unknowns, stage by stage."""
-    problem = kernel(scenes.roof(n, order=2)).equilibrium()
-    x, memory = np.zeros(problem.energy.unknowns), problem.energy.rest
-    _ = problem.energy.sparsity
-    stages: dict[str, float] = {}
-
-    def timed(name: str, call: Any) -> Any:
-        begin = time.perf_counter()
-        out = call()
-        stages[name] = time.perf_counter() - begin
-        return out
-
-    energy, residual, _ = timed("energy, forces, tangent", lambda: problem.evaluate(x, 0.01, 2, memory))
-    reduced = timed("supports", lambda: problem.reduction.reduce(energy.hessian))
-    factor = timed("factorise (with supports)", lambda: problem.factorise(energy.hessian))
-    step = timed("solve", lambda: factor.solve(problem.reduction.basis.T @ residual))
-    timed(
-        "stress extrapolated",
-        lambda: problem.energy.extrapolated_stress(energy.linear, problem.reduction.basis @ step),
-    )
-    print(
-        f"one iteration, {reduced.shape[0]} unknowns:",
-        ", ".join(f"{k} {t:.2f} s" for k, t in stages.items()),
-        flush=True,
-    )
-
-
 def main(long: bool) -> None:
     """Print the table."""
     warnings.simplefilter("ignore")
@@ -232,8 +204,6 @@ def main(long: bool) -> None:
     pull_out()
     roof(False, [4, 8] if long else [4], scenes.ROOF)
     roof(True, [4, 8] if long else [4], scenes.LAMINATED_ROOF)
-    if long:
-        profile()
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from verification.cases.meshes import ellipse, grid, mesh
 
 CANTILEVER = (3.28941, 6.69964)  # -u and w of the tip, converged
 ANNULUS = (13.891, 17.528)
+HEMISPHERE = (4.067, 8.178)
 PULL_OUT = [
     (0.025, 0.819, 0.864, 0.872), (0.05, 1.26, 1.471, 1.493), (0.075, 1.527, 1.901, 1.946),
     (0.1, 1.707, 2.217, 2.293), (0.15, 1.936, 2.641, 2.792), (0.2, 2.079, 2.904, 3.106),
@@ -109,6 +110,20 @@ def slit_annulus(radial: int = 6, around: int = 30, share: float = 1.0) -> ks.Sc
         thickness=0.03, material=ks.Isotropic(21e6, 0.0),
         supports=[ks.Clamped("x0")], loads=[ks.LineForce("x1", (0, 0, 0.8 * share))], title="slit annulus",
         solve={"element": "koiter", "order": 2},
+    )  # fmt: skip
+
+
+def hemisphere(n: int = 12, order: int = 2, share: float = 1.0) -> ks.Scene:
+    """3.4: a quarter of a hemisphere with a hole of 18 degrees, pulled and pushed by forces of 400 at the equator."""
+    chart = ks.geometry.Chart.from_expressions("10*cos(u)*cos(v)", "10*sin(u)*cos(v)", "10*sin(v)")
+    pull, push = (10.0, 0.0, 0.0), (0.0, 10.0, 0.0)
+    return ks.Scene(
+        mesh=rectangle(0.5 * np.pi, 0.4 * np.pi, n, n), chart=chart, thickness=0.04,
+        material=ks.Isotropic(6.825e7, 0.3),
+        supports=[ks.Symmetry("x0"), ks.Symmetry("x1"), ks.Fixed(pull, "z")],
+        loads=[ks.PointForce(pull, (200 * share, 0, 0)), ks.PointForce(push, (0, -200 * share, 0))],
+        probes={"pull": pull, "push": push},
+        title="hemisphere with a hole", solve={"element": "koiter", "order": order},
     )  # fmt: skip
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from verification.benchmarks.shells import PARAMETERS, REFERENCES, TITLES, grid, solve
 from verification.failures.failure import Failure, Numbers, columns, panels
+from verification.failures.obstacle_course import PARAMETERS, REFERENCES, TITLES, grid, solve
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -67,7 +67,7 @@ FAILURE = Failure(
     "0.19 percent above, 0.60 and 0.51 percent below. A coarse mesh may hit the printed value on its way to the "
     "limit, and looks better than a fine one.",
     "kshell's cases refer to values converged with several discretisations, with the digits on which these agree,"
-    " not to the printed ones. Orders 2 and 3 arrive at the same limit from their own sides.",
+    " not to the printed ones. Orders 2 and 3 arrive at the same limit.",
     measure,
     draw,
 )

@@ -172,7 +172,7 @@ def draw(numbers: Numbers) -> Figure:
     lines(left, shown, "cells", ["period", "implicit step", "largest explicit step"])
     slope = 0.6 * shown["largest explicit step"][0] * n[0] / n
     left.loglog(n, slope, "--", color="0.6", linewidth=1)
-    left.text(n[0], slope[0], "order h", fontsize=8, color="0.4", va="top")
+    left.text(n[0], 0.6 * slope[0], "order h", fontsize=8, color="0.4", va="top")
     left.set_xticks(n, [f"{int(k)}" for k in n])
     left.minorticks_off()
     left.set(xlabel="cells along the strip", ylabel="seconds", title="Steel ruler, 300 x 30 x 0.3 mm")

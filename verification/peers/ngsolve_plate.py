@@ -1,10 +1,10 @@
 """Plates by NGSolve: hybridised Hellan-Herrmann-Johnson elements. A script that needs numpy and ngsolve alone.
 
-    python verification/peers/ngsolve_plate.py MESH.npz ORDER KIND REPEATS X,Y [X,Y ...]
+    python verification/peers/ngsolve_plate.py JOB.json        see job.py
 
-MESH.npz has points (vertex, 2), triangles (triangle, 3), edges (boundary edge, 2). KIND is clamped or supported.
-Bending stiffness 1, nu = 0.3, pressure 1. Prints JSON: CPU seconds from the arrays to the values on one thread
-(imports and a first small solve left out), unknowns of the linear system, compliance, deflections, M_xx at the points.
+Arrays of a mesh: points (vertex, 2), triangles (triangle, 3), edges (boundary edge, 2). Of the job: element, the order;
+kind, clamped or supported; place (x, y), where w and M_xx are read; round, for the unit disk: a mesh of Netgen's own,
+of the same mean size, follows the circle. Bending stiffness 1, nu = 0.3, pressure 1.
 
 Symbols (Comodi 1989; Neunteufel & Schoeberl, arXiv:2304.13806)
 -------
@@ -15,13 +15,12 @@ h, dh       normal slope on the edges, of degree ORDER - 1
 
 from __future__ import annotations
 
-import json
-import sys
-import time
-from pathlib import Path
 from typing import Any
 
+import netgen.meshing as netgen
+import ngsolve as ng
 import numpy as np
+from job import run
 
 NU = 0.3
 BESIDE = 1e-9  # moments jump between elements: the mean of four values beside the point is taken
@@ -29,9 +28,6 @@ BESIDE = 1e-9  # moments jump between elements: the mean of four values beside t
 
 def to_netgen(points: Any, triangles: Any, edges: Any) -> Any:
     """The mesh, its boundary named "edge"."""
-    import netgen.meshing as netgen
-    import ngsolve
-
     mesh = netgen.Mesh(dim=2)
     inside = mesh.Add(netgen.FaceDescriptor(surfnr=1, domin=1, domout=0, bc=1))
     numbers = [mesh.Add(netgen.MeshPoint(netgen.Pnt(float(x), float(y), 0.0))) for x, y in points]
@@ -40,14 +36,28 @@ def to_netgen(points: Any, triangles: Any, edges: Any) -> Any:
     for a, b in edges:
         mesh.Add(netgen.Element1D([numbers[a], numbers[b]], index=1))
     mesh.SetBCName(0, "edge")
-    return ngsolve.Mesh(mesh)
+    return ng.Mesh(mesh)
 
 
-def solve(arrays: dict[str, Any], order: int, kind: str, places: list[tuple[float, float]]) -> dict[str, Any]:
-    """Assemble, solve, evaluate."""
-    import ngsolve as ng
+def round_mesh(arrays: dict[str, Any], job: dict[str, Any]) -> dict[str, Any]:
+    """The unit disk meshed by Netgen, with triangles about as large as those given."""
+    if not job.get("round"):
+        return arrays
+    from netgen.geom2d import SplineGeometry
 
-    mesh = to_netgen(arrays["points"], arrays["triangles"], arrays["edges"])
+    circle = SplineGeometry()
+    circle.AddCircle((0, 0), 1, bc="edge")
+    size = float(np.sqrt(np.pi / len(arrays["triangles"]) * 4 / np.sqrt(3)))
+    return {"round": circle.GenerateMesh(maxh=size)}
+
+
+def solve(arrays: dict[str, Any], job: dict[str, Any]) -> Any:
+    """Assemble and solve."""
+    order, kind = int(job["element"]), job["kind"]
+    if "round" in arrays:
+        mesh = ng.Mesh(arrays["round"]).Curve(order)
+    else:
+        mesh = to_netgen(arrays["points"], arrays["triangles"], arrays["edges"])
     space = ng.FESpace(
         [
             ng.H1(mesh, order=order, dirichlet="edge"),
@@ -77,34 +87,20 @@ def solve(arrays: dict[str, Any], order: int, kind: str, places: list[tuple[floa
     solution.vec.data += form.harmonic_extension * solution.vec
     solution.vec.data += form.inner_solve * right
     found_w, found_m, _ = solution.components
-    around = [(x + a * BESIDE, y + b * 2 * BESIDE) for x, y in places for a in (-1, 1) for b in (-1, 1)]
-    moments = np.array([-found_m[0, 0](mesh(x, y)) for x, y in around]).reshape(-1, 4).mean(axis=1)
-    return {
-        "unknowns": int(sum(free)),
-        "compliance": float(ng.InnerProduct(load, solution.vec)),
-        "w": [float(found_w(mesh(x, y))) for x, y in places],
-        "M": moments.tolist(),
-    }
 
+    def read() -> dict[str, Any]:
+        x, y = job["place"]
+        around = [(x + a * BESIDE, y + b * 2 * BESIDE) for a in (-1, 1) for b in (-1, 1)]
+        return {
+            "unknowns": int(sum(free)),
+            "compliance": float(ng.InnerProduct(load, solution.vec)),
+            "w": float(found_w(mesh(x, y))),
+            "M": float(np.mean([-found_m[0, 0](mesh(*place)) for place in around])),
+        }
 
-def main(file: str, order: str, kind: str, repeats: str, *places: str) -> None:
-    """Solve and print."""
-    import ngsolve
-
-    ngsolve.SetNumThreads(1)
-    arrays = dict(np.load(Path(file)))
-    points = [(float(x), float(y)) for x, y in (place.split(",") for place in places)]
-    corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
-    around = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
-    small = {"points": corners, "triangles": np.array([[0, 1, 2], [0, 2, 3]]), "edges": around}
-    solve(small, int(order), kind, [(0.4, 0.3)])
-    seconds, answer = [], {}
-    for _ in range(int(repeats)):
-        begin = time.process_time()
-        answer = solve(arrays, int(order), kind, points)
-        seconds.append(time.process_time() - begin)
-    print(json.dumps({**answer, "seconds": min(seconds), "version": f"ngsolve {ngsolve.__version__}"}))
+    return read
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    ng.SetNumThreads(1)
+    run(solve, f"ngsolve {ng.__version__}", round_mesh)

@@ -2,10 +2,16 @@
 
 Edges are held as a careful user would: clamped and simply supported edges fix all that vanishes along a straight
 edge (value, tangential derivatives), each straight mesh edge for itself.
+
+    python verification/peers/scikit_fem.py JOB.json        see job.py
+
+Arrays of a mesh: points (vertex, 2), triangles (triangle, 3). Of the job: element, morley or argyris; kind, clamped or
+supported; place (x, y), where w and M_xx are read.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -133,3 +139,24 @@ def _conditions(t: Floats, kind: Kind) -> Floats:
 def _null_space(rows: Floats) -> Floats:
     _, sizes, directions = np.linalg.svd(rows)
     return directions[int(np.sum(sizes > 1e-10)) :].T
+
+
+def _measured(arrays: dict[str, Any], job: dict[str, Any]) -> Callable[[], dict[str, Any]]:
+    plate = solve(arrays["points"], arrays["triangles"], job["element"], job["kind"])
+
+    def read() -> dict[str, Any]:
+        found = {
+            "unknowns": plate.unknowns,
+            "compliance": plate.compliance,
+            "w": plate.deflection(*job["place"]),
+        }
+        return {**found, "M": plate.moment_xx(*job["place"])} if job["element"] == "argyris" else found
+
+    return read
+
+
+if __name__ == "__main__":
+    import skfem
+    from job import run
+
+    run(_measured, f"scikit-fem {skfem.__version__}")

@@ -149,5 +149,5 @@ def _rates(report: Report) -> Figure:
         axes.set_yticks(y, labels, fontsize=6.5)
         axes.set(xlabel="rate of convergence in the mesh size", title=f"Observed and expected rates: {name}")
         axes.grid(axis="x", alpha=0.25)
-        axes.legend(fontsize=8, loc="lower right")
+        axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.07), ncols=6)
     return figure

@@ -44,15 +44,16 @@ def verify(quick: bool = False, out: Path | None = None, cases: Iterable[Case] |
         _must_be_writable(out)
     console = _console()
     _print_row(console, _heads(), "bold")
-    begin, blocks = time.perf_counter(), []
+    begin, cpu, blocks = time.perf_counter(), time.process_time(), []
     for block in run_blocks(quick, cases):
         blocks.append(block)
         _print_block(console, block)
-    report = Report(tuple(blocks), time.perf_counter() - begin, quick)
+    report = Report(tuple(blocks), time.perf_counter() - begin, quick, time.process_time() - cpu)
     for words in not_run(quick, cases):
         console.print(words, markup=False)
     facts = machine()
     console.print(one_line(facts), markup=False)
+    facts["seconds"] = f"{report.seconds:.0f}, of the processor {report.cpu_seconds:.0f}"
     console.print(report.summary(), style="bold red" if report.failed else "bold green", markup=False)
     if out is not None:
         for path in write(report, facts, out):
@@ -85,7 +86,7 @@ def write(report: Report, facts: dict[str, str], folder: Path) -> list[str]:
     from verification.suite.page import page, table_csv
 
     pictures = {}
-    for name, figure in charts(report, one_line(facts)).items():
+    for name, figure in charts(report, one_line({k: v for k, v in facts.items() if k != "seconds"})).items():
         stream = io.BytesIO()
         figure.savefig(stream, format="png")
         pictures[name] = stream.getvalue()

@@ -43,14 +43,15 @@ class Report:
     Attributes
     ----------
     blocks : tuple of Block
-    seconds : float
-        Of wall time, altogether.
+    seconds, cpu_seconds : float
+        Of wall time and of processor time, altogether.
     quick : bool
     """
 
     blocks: tuple[Block, ...]
     seconds: float
     quick: bool
+    cpu_seconds: float = 0.0
 
     @property
     def outcomes(self) -> list[Outcome]:
@@ -76,9 +77,10 @@ class Report:
         """One line: how many cases, how many failed, the worst ratio."""
         worst = self.worst
         verdict = "all within what is allowed" if not self.failed else f"{len(self.failed)} values FAILED"
+        place = f"{worst.case} {worst.run} {worst.quantity}"
         return (
-            f"{self.cases} cases, {len(self.outcomes)} values in {self.seconds:.0f} s: {verdict}; worst ratio of "
-            f"error to allowed error {worst.used:.2g} ({worst.case} {worst.run} {worst.quantity})"
+            f"{self.cases} cases, {len(self.outcomes)} values in {self.seconds:.0f} s ({self.cpu_seconds:.0f} s of "
+            f"the processor): {verdict}; worst ratio of error to allowed error {worst.used:.2g} ({place})"
         )
 
 

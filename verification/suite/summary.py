@@ -42,7 +42,6 @@ def table(facts: dict[str, str], rows: list[dict[str, str]]) -> str:
     failed = [row for row in rows if row["verdict"] != "passed"]
     worst = max(rows, key=lambda row: float(row["error"]) / max(float(row["allowed"]), 1e-300))
     ratio = float(worst["error"]) / float(worst["allowed"])
-    seconds = sum(float(row["seconds"]) for row in rows if row["seconds"])
     kinds = {**{words: _cases(values, names) for words, names in KINDS.items()}}
     others = {row["case"] for row in values} - set().union(*kinds.values())
     not_run = sum(len(some) for some in left_out().values())
@@ -54,7 +53,7 @@ def table(facts: dict[str, str], rows: list[dict[str, str]]) -> str:
         + ", ".join(f"{len(some)} {words}" for words, some in kinds.items())
         + " |",
         f"| values compared by `kshell verify` | {len(values)} on all meshes with all elements, and {len(rates)} rates "
-        f"of convergence, in {seconds:.0f} s |",
+        f"of convergence; seconds: {facts['seconds']} |",
         f"| quick, `kshell verify --quick` | {len(quick)} cases, coarse meshes |",
         f"| failed | {len(failed) or 'none'}; worst ratio of error to allowed error {ratio:.2g} ({worst['case']} "
         f"{worst['mesh']}, {worst['quantity']}) |",

@@ -1,4 +1,4 @@
 """Accuracy against work: relative errors against CPU seconds and unknowns, kshell beside its peers.
 
-`python -m verification.work_precision` measures, draws and writes the table.
+`python -m verification.work_precision` measures, draws and writes the tables.
 """

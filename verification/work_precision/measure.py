@@ -1,121 +1,150 @@
-"""One measurement per process: CPU seconds on one thread, unknowns, and the numbers that are compared."""
+"""One process per program and problem: CPU seconds on one thread, unknowns, and the numbers that are compared."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
+import resource
+import shutil
 import subprocess
 import sys
 import tempfile
-import time
-import warnings
-from collections.abc import Iterator
-from importlib.util import find_spec
+from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import kshell as ks
-from verification.cases.plate import plate
-from verification.peers import ngsolve_plate, scikit_fem
-from verification.work_precision.problems import METHODS, PROBLEMS, Method, Problem
+import verification.peers
+from verification.work_precision.methods import METHODS, Method
+from verification.work_precision.problems import QUANTITIES, Comparison
 
-REPEATS, PATIENCE = 3, 1.0  # three times, once where it takes longer
+REPOSITORY = Path(__file__).parents[2]
+DRIVERS = Path(verification.peers.__file__).parent
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-LETTERS = {"clamped": "C", "supported": "S"}
+REPEATS, PATIENCE = 3, 0.3  # three times, once where it takes longer
+LONGEST = 4.0  # finer meshes of a method are left out behind that
+LIMIT = 150  # CPU seconds of a process
+# what must be there: a module of Python or a program
+NEEDS = {
+    "scikit-fem": "skfem",
+    "NGSolve": "ngsolve",
+    "Kratos": "KratosMultiphysics.StructuralMechanicsApplication, KratosMultiphysics.LinearSolversApplication",
+    "OpenSees": "openseespy.opensees",
+    "GetFEM": "getfem",
+}
+PROGRAMS = {"CalculiX": "ccx", "FreeFEM": "FreeFem++"}
+SYSTEM_PYTHON = "/usr/bin/python3"  # distributions install GetFEM for it
 
 
-def family(method: Method) -> str:
-    """Which sizes a method takes."""
-    return "hhj" if method.program == "ngsolve" else method.element
+@cache
+def interpreter(program: str, peers_python: str | None) -> str | None:
+    """The Python that runs the driver of a program, None where the program is not installed."""
+    if program in PROGRAMS and shutil.which(PROGRAMS[program]) is None:
+        return None
+    if program not in NEEDS:
+        return sys.executable
+    for candidate in (peers_python, sys.executable, SYSTEM_PYTHON):
+        if candidate is None or shutil.which(candidate) is None:
+            continue
+        done = subprocess.run(
+            [candidate, "-c", f"import numpy, {NEEDS[program]}"], capture_output=True, check=False
+        )
+        if done.returncode == 0:
+            return candidate
+    return None
 
 
-def solve_here(problem: Problem, method: Method, cells: int) -> dict[str, Any]:
-    """Mesh arrays to values; kshell recovers all moments and reactions, scikit-fem only what is read."""
-    x, y = problem.place
-    if method.program == "kshell":
-        scene = plate(problem.build(cells), {"edge": LETTERS[problem.kind]}, [ks.Pressure(1.0)])
-        begin = time.process_time()
-        result = ks.solve(scene, element=method.element, solver=method.solver, large_deflection=False)
-        found = result.at((x, y, 0.0))
-        return {
-            "seconds": time.process_time() - begin,
-            "unknowns": result.unknowns,
-            "compliance": 2 * result.strain_energy,
-            "w": float(found["u"][0, 2]),
-            "M": float(found["M"][0, 0]),
-            "version": f"kshell {ks.__version__}, {result.solver['name']}",
-        }
-    import skfem
+def rows_of(
+    comparison: Comparison, names: Sequence[str], peers_python: str | None, folder: Path
+) -> Iterator[dict[str, Any]]:
+    """Measurements of methods that share a driver, coarse to fine; a row says why there is no more, if one failed."""
+    methods = [METHODS[name] for name in names]
+    python = interpreter(methods[0].program, peers_python)
+    if python is None:
+        yield from (_nothing(comparison, one, comparison.plan[one.id][0], "not installed") for one in methods)
+        return
+    while methods:
+        lines, said = _run(python, comparison, methods, folder)
+        for number, method in enumerate(methods):
+            own = [line for line in lines if line["method"] == method.id]
+            counts = comparison.plan[method.id]
+            measured = [line for line in own if "seconds" in line]
+            for count, line in zip(counts, measured, strict=False):
+                yield _row(comparison, method, count, line)
+            if not any("finished" in line for line in own):
+                yield _nothing(comparison, method, counts[len(measured)], f"no answer: {said}")
+                methods = methods[number + 1 :]  # those behind it had no chance
+                break
+        else:
+            return
 
-    arrays = problem.arrays(cells)
-    kind: Any = problem.kind
-    begin = time.process_time()
-    bare = scikit_fem.solve(arrays["points"], arrays["triangles"], method.element, kind)
-    w, m = bare.deflection(x, y), bare.moment_xx(x, y) if method.element == "argyris" else np.nan
-    return {
-        "seconds": time.process_time() - begin,
-        "unknowns": bare.unknowns,
-        "compliance": bare.compliance,
-        "w": w,
-        "M": m,
-        "version": f"scikit-fem {skfem.__version__}",
+
+def _run(
+    python: str, comparison: Comparison, methods: Sequence[Method], folder: Path
+) -> tuple[list[dict[str, Any]], str]:
+    """What a driver printed, and its last words."""
+    problem: Any = comparison
+    parts = []
+    for method in methods:
+        files = []
+        for count in comparison.plan[method.id]:
+            files.append(folder / f"{comparison.id}-{method.feed.replace(' ', '-')}-{count}.npz")
+            if not files[-1].exists():
+                np.savez(files[-1], **problem.arrays(method.feed, count))
+        own = {"method": method.id, "element": method.element, "solver": method.solver}
+        parts.append({**own, "meshes": [str(file) for file in files]})
+    program = methods[0]
+    job = {
+        **problem.facts(program.program),
+        "parts": parts,
+        "repeats": REPEATS,
+        "patience": PATIENCE,
+        "longest": LONGEST,
     }
+    file = folder / "job.json"
+    file.write_text(json.dumps(job), encoding="utf-8")
+    script = [str(DRIVERS / program.driver)] if program.driver else ["-m", "verification.work_precision.own"]
+    done = subprocess.run(
+        [python, *script, str(file)],
+        env={**os.environ, **THREADS},
+        cwd=None if program.driver else REPOSITORY,
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT)),
+    )
+    lines = [json.loads(line) for line in done.stdout.splitlines() if line.startswith('{"method"')]
+    words = [line for line in done.stderr.strip().splitlines() if not line.startswith("Process ")]
+    return lines, words[-1] if words else f"ended after {LIMIT} s of CPU"
 
 
-def one(problem: str, method: str, cells: int) -> dict[str, Any]:
-    """After a small solve that loads all modules; the best of some."""
-    chosen = next(m for m in METHODS if m.id == method)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        solve_here(PROBLEMS[problem], chosen, 4)
-        best = solve_here(PROBLEMS[problem], chosen, cells)
-        for _ in range(REPEATS - 1 if best["seconds"] < PATIENCE else 0):
-            best = min(best, solve_here(PROBLEMS[problem], chosen, cells), key=lambda found: found["seconds"])
-    return best
-
-
-def run_all(peers_python: str | None, most: float) -> Iterator[dict[str, Any]]:
-    """All problems, methods and sizes whose unknowns stay below ``most``, one process each."""
-    if peers_python is None and find_spec("ngsolve") is not None:
-        peers_python = sys.executable
+def run_all(comparisons: Sequence[Comparison], peers_python: str | None) -> Iterator[dict[str, Any]]:
+    """All measurements of comparisons; methods that share a driver share a process."""
     with tempfile.TemporaryDirectory() as folder:
-        for problem in PROBLEMS.values():
-            for method in METHODS:
-                if method.program == "ngsolve" and peers_python is None:
-                    continue
-                for cells in problem.sizes[family(method)]:
-                    row = _row(problem, method, cells, peers_python, Path(folder))
-                    yield row
-                    if 4 * row["unknowns"] > most:
-                        break
+        for comparison in comparisons:
+            drivers = dict.fromkeys((METHODS[name].program, METHODS[name].driver) for name in comparison.plan)
+            for driver in drivers:
+                names = [
+                    name
+                    for name in comparison.plan
+                    if (METHODS[name].program, METHODS[name].driver) == driver
+                ]
+                yield from rows_of(comparison, names, peers_python, Path(folder))
 
 
-def _row(
-    problem: Problem, method: Method, cells: int, peers_python: str | None, folder: Path
-) -> dict[str, Any]:
-    if method.program == "ngsolve":
-        file = folder / f"{problem.id}-{cells}.npz"
-        arrays: Any = problem.arrays(cells)
-        np.savez(file, **arrays)
-        place = f"{problem.place[0]},{problem.place[1]}"
-        script = str(ngsolve_plate.__file__)
-        repeats = str(REPEATS if cells <= 16 else 1)
-        command = [str(peers_python), script, str(file), method.element, problem.kind, repeats, place]
-    else:
-        words = [problem.id, method.id, str(cells)]
-        command = [sys.executable, "-m", "verification.work_precision", "--one", *words]
-    done = subprocess.run(command, env={**os.environ, **THREADS}, capture_output=True, text=True, check=False)
-    out: dict[str, Any] = {"problem": problem.id, "method": method.id, "cells": cells}
-    if done.returncode:
-        reason = (done.stderr.strip().splitlines() or ["killed"])[-1]
-        nothing = dict.fromkeys(("seconds", "compliance error", "w error", "M error", "compliance"), np.nan)
-        return {**out, "unknowns": 0, **nothing, "version": f"no answer: {reason}"}
-    found = json.loads(done.stdout.strip().splitlines()[-1])
-    out |= {name: found[name] for name in ("unknowns", "seconds")}
-    for name in ("compliance", "w", "M"):
-        reference = problem.references.get(name)
-        value = found[name][0] if isinstance(found[name], list) else found[name]
-        out[f"{name} error"] = abs(value / reference - 1) if reference else np.nan
-    return {**out, "compliance": found["compliance"], "version": found["version"]}
+def _nothing(comparison: Comparison, method: Method, count: int, why: str) -> dict[str, Any]:
+    out = {"problem": comparison.id, "method": method.id, "cells": count, "unknowns": 0, "seconds": math.nan}
+    out |= {f"{name} error": math.nan for name in QUANTITIES}
+    return {**out, "version": why}
+
+
+def _row(comparison: Comparison, method: Method, count: int, found: dict[str, Any]) -> dict[str, Any]:
+    out = _nothing(comparison, method, count, found["version"])
+    out |= {"unknowns": found["unknowns"], "seconds": found["seconds"]}
+    for name, reference in comparison.references.items():
+        if name in found:
+            out[f"{name} error"] = abs(found[name] / reference.value - 1)
+    return out
