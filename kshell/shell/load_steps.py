@@ -32,7 +32,8 @@ EASY, HARD = 5, 12
 SMALLEST_STEP = 1e-4
 # a step so small against the load so far ends the search for the limit point by halving
 CLOSE = 2e-3
-MOST_ATTEMPTS = 100
+# steps of the load and of the arc length, all in all, besides twice those asked for
+MOST_ATTEMPTS = 150
 MOST_JUMPS = 4
 # how far beyond the limit point the load is at which the jump ends, relative to the load there
 BEYOND = 0.05
@@ -81,7 +82,7 @@ class March:
     rate : float
         The same per growth of the load.
     attempts : int
-        Load steps tried so far.
+        Steps tried so far.
     jumps : int
         Made so far.
     branched : bool
@@ -151,11 +152,9 @@ class LoadSteps:
         SolveError
             If there is none; its `state` is the march so far.
         """
+        if march.attempts > MOST_ATTEMPTS + 2 * self.steps:
+            raise SolveError(f"{march.attempts} steps did not reach the factor {self.until:g}", state=march)
         while march.crossing is None:
-            if march.attempts > MOST_ATTEMPTS + 2 * self.steps:
-                raise SolveError(
-                    f"{march.attempts} steps did not reach the factor {self.until:g}", state=march
-                )
             state, left = march.state, self.until - march.state.factor
             size = float(np.sign(left) * min(abs(march.size), abs(left)))
             march = replace(march, attempts=march.attempts + 1)
@@ -250,7 +249,8 @@ class LoadSteps:
         # a branch is close to the path it left for long: steps of the load could fall back on it
         if state.factor >= self.until if march.branched else beyond:
             next_crossing = None
-        return replace(march, state=state, moved=moved, rate=rate, crossing=next_crossing), critical
+        onward = replace(march, state=state, moved=moved, rate=rate, attempts=march.attempts + 1)
+        return replace(onward, crossing=next_crossing), critical
 
 
 def load_path(

@@ -112,3 +112,19 @@ def test_displacement_control_through_limit_points():
             ks.trace(scene, control={**control, **change})
     with pytest.raises(ks.InputError, match='is for analysis = "path"'):
         ks.solve(scene, control=control)
+
+
+def test_planes_of_symmetry_stay_planes_of_symmetry_on_charts():
+    """At any deflection a point of the plane only turns about its normal and stays in it: not to first order only."""
+    scene = dataclasses.replace(
+        large_scenes.roof(3), loads=[ks.Pressure(-6e-3)], solve={"element": "argyris", "large_deflection": True},
+        probes={"x": (0, 100.0, 2540), "y": (2540 * np.sin(0.05), 0, 2540 * np.cos(0.05))},
+    )  # fmt: skip
+    result = ks.solve(scene)
+    for axis, name in enumerate("xy"):
+        u, turned = result.probe(name)["u"], result.probe(name)["rotation"]
+        across = np.delete(turned, axis)
+        assert np.abs(u).max() > 1.0
+        assert abs(u[axis]) < 1e-9
+        assert np.abs(across).max() < 1e-9
+    assert abs(result.probe("y")["rotation"][1]) > 0.005

@@ -84,7 +84,11 @@ def kernel(scene: ks.Scene) -> ShellProblem:
 
 
 def roof(layered: bool, sizes: list[int], table: list[tuple[float, float]]) -> None:
-    """Load at the displacements of the table, difference relative to the limit load."""
+    """Load at the displacements of the table, and how far its points lie off the path.
+
+    Where the path is steep, a small displacement is a large load: the distance is measured in the plane of load and
+    displacement, against the limit load and the largest displacement.
+    """
     limit = max(factor for factor, w in table if w < 15.0)
     for n in sizes:
         scene = scenes.roof(n, (0, 90, 0) if layered else ())
@@ -114,18 +118,34 @@ def roof(layered: bool, sizes: list[int], table: list[tuple[float, float]]) -> N
             f"    largest difference {worst[0]:.4f} of the limit load, at w = {worst[1]}; {iterations} iterations",
             flush=True,
         )
-        compliance, left = shear_under_the_force(loads, table)
         print(
-            f"    with {compliance:.4f} per factor more under the force: largest difference {left:.4f}",
+            f"    largest distance of the table from the path {distance(loads, table, limit):.4f}", flush=True
+        )
+        compliance, left = extra_compliance(loads, table)
+        print(
+            f"    with {compliance:.4f} more displacement per factor: largest difference {left:.4f}",
             flush=True,
         )
 
 
-def shear_under_the_force(loads: list[float], table: list[tuple[float, float]]) -> tuple[float, float]:
+def distance(loads: list[float], table: list[tuple[float, float]], limit: float) -> float:
+    """Largest distance of a point of the table from the path, each axis against its size."""
+    from scipy.interpolate import CubicSpline
+
+    known, w = np.array(table).T
+    path = CubicSpline(np.append(0.0, w), np.append(0.0, loads))
+    fine = np.linspace(0.0, w[-1], 20_000)
+    curve = np.stack([path(fine) / limit, fine / w[-1]], axis=1)
+    points = np.stack([known / limit, w / w[-1]], axis=1)
+    return max(float(np.linalg.norm(curve - point, axis=1).min()) for point in points)
+
+
+def extra_compliance(loads: list[float], table: list[tuple[float, float]]) -> tuple[float, float]:
     """The displacement per factor that is to be added under the force to meet the table best, and what is left over.
 
     Shells with shear sink in under a point force by about P / (2 pi k G h) ln(span / element), which Koiter's do not;
-    for the isotropic roof and elements of 16 that is 0.13.
+    for the isotropic roof and elements of 16 that would be 0.13. That shear is what sets the table apart is not shown
+    here: no shell with shear was computed.
 
     Returns
     -------

@@ -50,7 +50,10 @@ class Pointwise(Koiter):
         x = surface.tangents(surface.reference.first)  # (2, 3, triangle, q)
         e1, e2, _ = tangent_frame(x)
         to_frame = np.moveaxis(covariant_to_frame(components(x, e1, e2)), (0, 1), (2, 3))
-        a, _, _, _ = section_at(section, slice(None))
+        nodes = surface.nodes[surface.triangle_nodes]
+        a, _, _, _ = section_at(
+            section, np.arange(len(nodes)), lambda: np.einsum("qn,tnx->tqx", surface.reference.values, nodes)
+        )
         weight = surface.area_elements * surface.reference.weights
         at_points = np.swapaxes(to_frame, -1, -2) @ a @ to_frame * weight[..., None, None]
         count, q = weight.shape
