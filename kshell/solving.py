@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
 import warnings
@@ -17,11 +18,14 @@ from kshell.on_chart import mesh_in_space
 from kshell.options import SolveOptions
 from kshell.result import Result
 from kshell.scene import Scene
+from kshell.supports import SimplySupported
 
 # deflection over thickness up to which no plate stretches by as much as matters
 SMALL = 0.07
 # larger plates are not taken for shells without being asked
 MOST_TRIANGLES = 20_000
+# deflection over the size of the plate from which the scene is a matter of scale, not of large deflections
+ABSURD = 10.0
 
 
 def trace(
@@ -143,6 +147,9 @@ def _large_where_it_matters(
     A clamped circular plate with an immovable edge deflects less by about 0.47 (w / t)^2 of w, a simply supported one
     by 1.85 (w / t)^2 (Timoshenko & Woinowsky-Krieger, chapter 13): below SMALL that is less than 1 percent. Plates
     free to move in their plane stretch less, which the shell tells.
+
+    A simple support of a plate says nothing of motion in its plane, that of a shell forbids it: as this decides how
+    much stiffer the plate gets, it is the user's to say, and the plate is warned of instead.
     """
     thickness = float(plate.cell_fields["thickness"].max())
     ratio = abs(plate.extremes["deflection"]["value"]) / thickness
@@ -152,7 +159,11 @@ def _large_where_it_matters(
         return plate
     doubt = f"{words}: where the supports hinder it from moving in its plane it stretches and gets stiffer"
     asked = options.model == "plate" or options.element != "auto"
-    if asked or len(mesh.triangles) > MOST_TRIANGLES:
+    ambiguous = any(isinstance(support, SimplySupported) for support in scene.supports)
+    if ambiguous:
+        doubt += f" (a disk so supported all around would deflect by {_held_in_plane(ratio):.0%} of that)"
+    absurd = ratio * thickness > ABSURD * mesh.size
+    if asked or ambiguous or absurd or len(mesh.triangles) > MOST_TRIANGLES:
         plate.model["reasons"].append(f"linear: {doubt}")
         plate.warnings.append(
             f'{doubt}; large_deflection = true computes that (with model and element "auto"), large_deflection = false '
@@ -167,3 +178,13 @@ def _large_where_it_matters(
         return shell
     plate.model["reasons"] += [f"linear: {words}", *(r for r in shell.model["reasons"] if "linear" in r)]
     return plate
+
+
+def _held_in_plane(ratio: float) -> float:
+    """Share of the linear deflection of a simply supported disk whose edge cannot move in its plane.
+
+    The real root s of s + 1.85 ratio^2 s^3 = 1, after Timoshenko & Woinowsky-Krieger, chapter 13.
+    """
+    k = 1.85 * ratio**2
+    half = math.sqrt(0.25 / k**2 + 1 / (27 * k**3)) + 0.5 / k
+    return math.cbrt(half) - 1 / (3 * k * math.cbrt(half))

@@ -78,6 +78,19 @@ def test_auto_goes_on_where_it_matters_and_says_so():
     assert asked.model["kind"] == "plate"
 
 
+def test_auto_leaves_plates_whose_motion_in_the_plane_is_not_said_linear_and_warns():
+    disk = ks.geometry.Plane().mesh(6, 6, names=("a", "b", "c", "d"))
+    edges, unit = ["a", "b", "c", "d"], ks.Isotropic(E=12 * (1 - 0.3**2) / 1e-6, nu=0.3)
+    scene = ks.Scene(disk, 0.01, unit, [ks.SimplySupported(edges)], [ks.Pressure(1.0)])
+    with pytest.warns(ks.KshellWarning, match="would deflect by 83% of that"):
+        result = ks.solve(scene)
+    assert result.model["kind"] == "plate"
+    assert result.extremes["deflection"]["value"] == pytest.approx(0.00406235, rel=1e-3)
+    absurd = dataclasses.replace(scene, supports=[ks.Clamped(edges)], loads=[ks.Pressure(1e6)])
+    with pytest.warns(ks.KshellWarning, match="times the thickness"):
+        assert ks.solve(absurd).model["kind"] == "plate"
+
+
 @pytest.mark.parametrize("name", ["scordelis_lo", "hemisphere_hole", "twisted_beam", "raasch_hook"])
 def test_auto_leaves_small_loads_alone(name):
     """Of loads s times smaller, the change is s times smaller, down to rounding."""
