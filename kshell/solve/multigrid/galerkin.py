@@ -33,11 +33,17 @@ def galerkin(matrix: Any, prolongation: Any) -> Any:
     """
     import scipy.sparse as sp
 
-    product: Any = None
+    sums: list[tuple[int, Any]] = []  # of ever fewer chunks: added one by one, they would all be copied each time
     for first in range(0, matrix.shape[0], CHUNK):
         chunk = slice(first, min(first + CHUNK, matrix.shape[0]))
-        part = block_rows(prolongation, chunk).T @ (block_rows(matrix, chunk) @ prolongation)
-        product = part if product is None else product + part
+        count, part = 1, block_rows(prolongation, chunk).T @ (block_rows(matrix, chunk) @ prolongation)
+        while sums and sums[-1][0] == count:
+            part = sums.pop()[1] + part
+            count *= 2
+        sums.append((count, part))
+    product = sums.pop()[1]
+    while sums:
+        product = sums.pop()[1] + product
     rows = np.repeat(np.arange(len(product.indptr) - 1), np.diff(product.indptr))
     own = np.flatnonzero(rows == product.indices)
     if len(own) < len(product.indptr) - 1:  # vertices that no unknown feels
