@@ -33,7 +33,9 @@ def galerkin(matrix: Any, prolongation: Any) -> Any:
     """
     import scipy.sparse as sp
 
-    sums: list[tuple[int, Any]] = []  # of ever fewer chunks: added one by one, they would all be copied each time
+    sums: list[
+        tuple[int, Any]
+    ] = []  # of ever fewer chunks: added one by one, they would all be copied each time
     for first in range(0, matrix.shape[0], CHUNK):
         chunk = slice(first, min(first + CHUNK, matrix.shape[0]))
         count, part = 1, block_rows(prolongation, chunk).T @ (block_rows(matrix, chunk) @ prolongation)
