@@ -11,6 +11,9 @@ from pydantic import BeforeValidator
 from kshell.errors import InputError
 from kshell.validation import Number, described
 
+# change of the displacements from which large deflections matter
+TOLERANCE = 0.01
+
 
 def _large(value: Any) -> Any:
     if value is not True and value is not False and value != "auto":
@@ -54,6 +57,14 @@ def _control(value: Any) -> Any:
     return value
 
 
+def _tolerance(value: Any) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < 1.0:
+        raise ValueError("must be a number between 0 and 1, such as 0.01")
+    return float(value)
+
+
 def _branch(value: Any) -> Any:
     if isinstance(value, bool) or value not in (-1, 0, 1):
         raise ValueError(
@@ -78,7 +89,10 @@ class SolveOptions:
     order : "auto", 1, 2 or 3
         Of the Koiter element.
     large_deflection : "auto", True or False
-        "auto": small deflections first, large ones where they differ by more than 1 %.
+        "auto": small deflections first, large ones where they differ by more than `tolerance`.
+    tolerance : float, optional
+        Relative change of the displacements from which large deflections matter under "auto", 1 % if not given.
+        The mesh is solved as given.
     solver : "auto", "direct" or "multigrid"
         How the linear system is solved.
     steps : "auto" or int
@@ -95,10 +109,16 @@ class SolveOptions:
     element: Literal["auto", "morley", "argyris", "koiter"] = "auto"
     order: Literal["auto", 1, 2, 3] = "auto"
     large_deflection: Annotated[Any, BeforeValidator(_large)] = "auto"
+    tolerance: Annotated[Any, BeforeValidator(_tolerance)] = None
     solver: Literal["auto", "direct", "multigrid"] = "auto"
     steps: Annotated[Any, BeforeValidator(_steps)] = "auto"
     control: Annotated[Any, BeforeValidator(_control)] = None
     branch: Annotated[Any, BeforeValidator(_branch)] = 0
+
+    @property
+    def large_tolerance(self) -> float:
+        """Relative change of the displacements from which large deflections matter."""
+        return TOLERANCE if self.tolerance is None else float(self.tolerance)
 
     @property
     def large_asked(self) -> bool:

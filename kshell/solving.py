@@ -15,7 +15,7 @@ from kshell.errors import InputError, Interrupted, KshellWarning, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.modelling import choose_model
 from kshell.on_chart import mesh_in_space
-from kshell.options import SolveOptions
+from kshell.options import TOLERANCE, SolveOptions
 from kshell.result import Result
 from kshell.scene import Scene
 from kshell.supports import SimplySupported
@@ -135,6 +135,10 @@ def _solve(
         if isinstance(error.state, Result):
             error.state.scene = scene
         raise
+    if chosen.tolerance is not None:
+        result.warnings.append(
+            f"tolerance = {chosen.tolerance:g} decides about large deflections only: the mesh is solved as given"
+        )
     result.scene = scene
     return result
 
@@ -154,7 +158,8 @@ def _large_where_it_matters(
     thickness = float(plate.cell_fields["thickness"].max())
     ratio = abs(plate.extremes["deflection"]["value"]) / thickness
     words = f"the largest deflection is {ratio:.2g} times the thickness"
-    if ratio <= SMALL or options.large_deflection is False:
+    small = SMALL * math.sqrt(options.large_tolerance / TOLERANCE)  # the change grows with its square
+    if ratio <= small or options.large_deflection is False:
         plate.model["reasons"].append(f"linear: {words}")
         return plate
     doubt = f"{words}: where the supports hinder it from moving in its plane it stretches and gets stiffer"

@@ -11,7 +11,7 @@ import numpy as np
 
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.naming import listing, suggestion
-from kshell.options import SolveOptions
+from kshell.options import TOLERANCE, SolveOptions
 from kshell.shell.checkpoint import Checkpoints
 from kshell.shell.controlled import ControlledSteps
 from kshell.shell.equilibrium import State
@@ -20,9 +20,6 @@ from kshell.shell.linear import LinearSolution
 from kshell.shell.load_steps import Limits, LoadSteps, March, stuck
 from kshell.shell.path import Critical
 from kshell.shell.problem import ShellProblem
-
-# change of the displacement from which large deflections matter
-TOLERANCE = 0.01
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ def solve_shell(
             solution = _solve_small(problem)
             answer, iterations = partial(answer_linear, problem, solution), len(solution.corrections)
             if options.large_deflection == "auto":
-                indicator = indicate(problem, solution)
+                indicator = indicate(problem, solution, options.large_tolerance)
                 large = indicator.matters
         if large:
             trace = grow_load(problem, options, progress, folder, resume)
