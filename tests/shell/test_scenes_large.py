@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import meshio
@@ -240,24 +239,32 @@ def strip_file(tmp_path):
     return path
 
 
-def start(path, *more):
-    main = "from kshell.cli import main; main()"
-    command = [sys.executable, "-c", main, "trace", str(path), "-o", str(path.parent / "out"), *more]
-    return subprocess.Popen(
-        command,
+# stops itself right after a step is written: a signal from outside might come when all is done
+STOPPED = """
+import os, signal
+from kshell.cli import main
+from kshell.shell.checkpoint import Checkpoints
+write = Checkpoints.write
+def write_and_stop(self, number, *rest):
+    write(self, number, *rest)
+    if number == {step}:
+        os.kill(os.getpid(), signal.{name})
+Checkpoints.write = write_and_stop
+main()
+"""
+
+
+def stopped(path, step, name):
+    """A trace that gets the signal after the step: the process when it has ended, and its words."""
+    command = [sys.executable, "-c", STOPPED.format(step=step, name=name), "trace", str(path)]
+    return subprocess.run(
+        [*command, "-o", str(path.parent / "out")],
         cwd=ROOT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        capture_output=True,
+        check=False,
+        timeout=120,
         env={**os.environ, "OMP_NUM_THREADS": "1"},
     )
-
-
-def wait_for_step(process, folder, number):
-    limit = time.monotonic() + 60
-    while not (folder / f"step-{number:04d}.npz").exists():
-        assert process.poll() is None, process.stderr.read().decode()
-        assert time.monotonic() < limit
-        time.sleep(0.005)
 
 
 def path_of(folder):
@@ -267,10 +274,8 @@ def path_of(folder):
 def test_killed_path_is_resumed_identically(strip_file):
     whole, out = strip_file.parent / "whole", strip_file.parent / "out"
     assert run(["trace", str(strip_file), "-o", str(whole)]) == 0
-    process = start(strip_file)
-    wait_for_step(process, out / "steps", 2)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
+    process = stopped(strip_file, 2, "SIGKILL")
+    assert process.returncode == -signal.SIGKILL
     assert not (out / "result.json").exists()
     assert len(list((out / "steps").glob("*.npz"))) < len(path_of(whole)) - 1
     (out / "steps" / "step-0099.npz-unfinished").write_bytes(b"half")
@@ -280,13 +285,10 @@ def test_killed_path_is_resumed_identically(strip_file):
 
 def test_interrupted_path_saves_the_last_good_state(strip_file):
     out = strip_file.parent / "out"
-    process = start(strip_file)
-    wait_for_step(process, out / "steps", 2)
-    process.send_signal(signal.SIGINT)
-    _, words = process.communicate(timeout=60)
+    process = stopped(strip_file, 2, "SIGINT")
     assert process.returncode == 130
-    assert b"interrupted" in words
-    assert b"Traceback" not in words
+    assert b"interrupted" in process.stderr
+    assert b"Traceback" not in process.stderr
     path = path_of(out)
     assert 0.0 < path[-1]["factor"] < 1.0
 
