@@ -38,6 +38,16 @@ app = typer.Typer(
 Source = Annotated[
     Path, typer.Argument(metavar="SCENE.toml|MESH", help="A scene file, or a mesh or geometry file.")
 ]
+JsonFile = Annotated[
+    str | None,
+    typer.Option(
+        "--json", metavar="FILE|-", help="Write result.json to FILE; - is stdout, and nothing else there."
+    ),
+]
+Pictures = Annotated[
+    bool,
+    typer.Option("--plot", help="Write pictures too; without -o into a folder named after the scene."),
+]
 Overrides = Annotated[
     list[str] | None,
     typer.Option(
@@ -73,16 +83,8 @@ def solve(
         Path | None,
         typer.Option("-o", "--output", metavar="DIR", help="Write result.json and result.vtu here."),
     ] = None,
-    json: Annotated[
-        str | None,
-        typer.Option(
-            "--json", metavar="FILE|-", help="Write result.json to FILE; - is stdout, and nothing else there."
-        ),
-    ] = None,
-    plot: Annotated[
-        bool,
-        typer.Option("--plot", help="Write pictures too; without -o into a folder named after the scene."),
-    ] = False,
+    json: JsonFile = None,
+    plot: Pictures = False,
     set_: Overrides = None,
     thickness: Annotated[
         str | None, typer.Option(help="Of a mesh file: number or expression in x, y, z.", show_default=False)
@@ -176,16 +178,8 @@ def trace(
         ),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on after the last step in DIR.")] = False,
-    json: Annotated[
-        str | None,
-        typer.Option(
-            "--json", metavar="FILE|-", help="Write result.json to FILE; - is stdout, and nothing else there."
-        ),
-    ] = None,
-    plot: Annotated[
-        bool,
-        typer.Option("--plot", help="Write pictures too; without -o into a folder named after the scene."),
-    ] = False,
+    json: JsonFile = None,
+    plot: Pictures = False,
     set_: Overrides = None,
     debug: Debug = False,
 ) -> None:
