@@ -1,11 +1,12 @@
-"""Packages beyond what pyproject.toml can say: the meshes of the verification cases come along in the wheel.
+"""What pyproject.toml cannot say: the folder meshes comes along in the wheel as data of kshell.verify.
 
-`kshell verify` runs the cases wherever kshell is installed, so a wheel has kshell, the cases and their runner
-(verification, verification.cases, verification.suite), and the folder meshes as data of the package verification.
+`kshell verify` runs the cases wherever kshell is installed, and some of them read the meshes that lie beside the
+package in the repository.
 """
 
 from setuptools import find_packages, setup
 
-FOUND = find_packages(include=["kshell*", "verification", "verification.cases*", "verification.suite*"])
-
-setup(packages=[*FOUND, "verification.meshes"], package_dir={"verification.meshes": "meshes"})
+setup(
+    packages=[*find_packages(include=["kshell*"]), "kshell.verify.meshes"],
+    package_dir={"kshell.verify.meshes": "meshes"},
+)

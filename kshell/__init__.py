@@ -5,17 +5,19 @@ The public names are loaded when they are first used, so that `import kshell` is
 
 from __future__ import annotations
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from kshell.errors import InputError, KshellError, KshellWarning, SolveError
 
 if TYPE_CHECKING:
-    from kshell.imperfection import Imperfection
-    from kshell.laminate import Layer
-    from kshell.loads import (
+    from kshell.analysis.solve import solve, trace
+    from kshell.material.laminate import Layer
+    from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
+    from kshell.mesh import Mesh
+    from kshell.result.result import Result
+    from kshell.scene.imperfection import Imperfection
+    from kshell.scene.loads import (
         EdgeMoment,
         Gravity,
         InitialCurvature,
@@ -27,12 +29,8 @@ if TYPE_CHECKING:
         Temperature,
         Traction,
     )
-    from kshell.material import Anisotropic, Isotropic, Orthotropic
-    from kshell.mesh import Mesh
-    from kshell.result import Result
-    from kshell.scene import Scene
-    from kshell.solving import solve, trace
-    from kshell.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
+    from kshell.scene.scene import Scene
+    from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
 
 __version__ = "0.1.0"
 
@@ -74,11 +72,12 @@ __all__ = [
 
 # name: where it lives
 _LAZY = {
-    **dict.fromkeys(("Isotropic", "Orthotropic", "Anisotropic"), "kshell.material"),
-    "Imperfection": "kshell.imperfection",
-    "Layer": "kshell.laminate",
+    **dict.fromkeys(("Isotropic", "Orthotropic", "Anisotropic"), "kshell.material.materials"),
+    "Imperfection": "kshell.scene.imperfection",
+    "Layer": "kshell.material.laminate",
     **dict.fromkeys(
-        ("Clamped", "SimplySupported", "Symmetry", "Free", "Hinge", "Fixed", "Elastic"), "kshell.supports"
+        ("Clamped", "SimplySupported", "Symmetry", "Free", "Hinge", "Fixed", "Elastic"),
+        "kshell.scene.supports",
     ),
     **dict.fromkeys(
         (
@@ -93,13 +92,13 @@ _LAZY = {
             "InitialCurvature",
             "InitialStrain",
         ),
-        "kshell.loads",
+        "kshell.scene.loads",
     ),
     "Mesh": "kshell.mesh",
-    "Scene": "kshell.scene",
-    "Result": "kshell.result",
-    "solve": "kshell.solving",
-    "trace": "kshell.solving",
+    "Scene": "kshell.scene.scene",
+    "Result": "kshell.result.result",
+    "solve": "kshell.analysis.solve",
+    "trace": "kshell.analysis.solve",
 }
 
 
@@ -115,15 +114,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
-
-
-class _Package(ModuleType):
-    """The package as a module whose function `solve` is not hidden by its sub-package of the same name."""
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name == "solve" and isinstance(value, ModuleType):
-            return  # importing kshell.solve (the solvers) would replace kshell.solve (the function)
-        super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -1,5 +1,5 @@
 """`python -m kshell`, the same as the command `kshell`."""
 
-from kshell.cli import main
+from kshell.cli.commands import main
 
 main()

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from kshell.errors import InputError
-from kshell.expression import symbolic
 from kshell.geometry.components import Floats
 from kshell.geometry.smooth import UNLIMITED, Partials, SmoothMap, indices
+from kshell.values.expression import symbolic
 
 # numpy function -> sympy function of the same arguments
 TRACEABLE = {

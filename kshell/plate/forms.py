@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements import PlateElement, matrices
+from kshell.material.section import Section
 from kshell.plate.domain import Domain, EdgePatch
-from kshell.section import Section
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

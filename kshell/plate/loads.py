@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kshell.elements import matrices
 from kshell.errors import InputError
+from kshell.material.section import Section
 from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
 from kshell.plate.domain import Domain
@@ -18,8 +19,7 @@ from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
 from kshell.plate.supports import first_triangles, points_3d
-from kshell.section import Section
-from kshell.values import is_constant
+from kshell.values.varying import is_constant
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,25 +7,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.clock import Clock, Stage, peak_memory_mb
-from kshell.deferred import Deferred
+from kshell.analysis.clock import Clock, Stage, peak_memory_mb
+from kshell.analysis.model_choice import choose_model
 from kshell.errors import SolveError
+from kshell.material.section import Section
+from kshell.material.tensors import principal, von_mises
 from kshell.mesh.check import plate_problems
 from kshell.mesh.mesh import Mesh
-from kshell.modelling import choose_model
-from kshell.options import SolveOptions
 from kshell.plate.domain import Domain
 from kshell.plate.problem import PlateProblem, choose_element
 from kshell.plate.product import strain_product
 from kshell.plate.reactions import ReactionFinder
 from kshell.plate.recovery import Fields
-from kshell.probing import probe_values
-from kshell.result import Result, no_error_estimate
-from kshell.scene import Scene
-from kshell.section import Section
-from kshell.solve import Solution, solve_system
-from kshell.solve.dense import solve_dense
-from kshell.tensors import principal, von_mises
+from kshell.result.deferred import Deferred
+from kshell.result.probing import probe_values
+from kshell.result.result import Result, no_error_estimate
+from kshell.scene.options import SolveOptions
+from kshell.scene.scene import Scene
+from kshell.solvers import Solution, solve_system
+from kshell.solvers.dense import solve_dense
 
 Floats = NDArray[np.float64]
 ROUNDED_FROM = 20_000  # unknowns from which rounding of the matrix exceeds 1e-10 of the deflection

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements import ElementArgyris, ElementMorley, PlateElement
+from kshell.material.section import Section, plate_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
-from kshell.options import SolveOptions
 from kshell.plate.assembly import Assembled, assemble, assemble_load
 from kshell.plate.corners import singular_corners
 from kshell.plate.domain import Domain
@@ -23,10 +23,10 @@ from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import require_held
 from kshell.plate.space import plate_space
 from kshell.plate.supports import Supports, apply_supports
-from kshell.scene import Scene
-from kshell.section import Section, plate_section
-from kshell.solve import PlateSpace
-from kshell.solve.dense import DENSE_UP_TO
+from kshell.scene.options import SolveOptions
+from kshell.scene.scene import Scene
+from kshell.solvers import PlateSpace
+from kshell.solvers.dense import DENSE_UP_TO
 
 Floats = NDArray[np.float64]
 

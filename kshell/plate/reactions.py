@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.deferred import Deferred
 from kshell.plate.assembly import residual
 from kshell.plate.corner_forces import CornerForces
 from kshell.plate.domain import Domain
@@ -24,6 +23,7 @@ from kshell.plate.loading import LinearForm
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
 from kshell.plate.supports import Supports
+from kshell.result.deferred import Deferred
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from kshell.elements import matrices
 from kshell.elements.reference import VERTICES
+from kshell.material.section import Section
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loads import Loads
 from kshell.plate.locate import Located, Locator
 from kshell.plate.supports import points_3d
-from kshell.section import Section
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,7 +7,7 @@ import numpy as np
 from kshell.plate.domain import Domain
 from kshell.plate.layout import Layout
 from kshell.plate.reduction import DEPENDENT, Conditions, Reduction
-from kshell.solve import PlateSpace
+from kshell.solvers import PlateSpace
 
 
 def plate_space(domain: Domain, layout: Layout, conditions: Conditions, reduction: Reduction) -> PlateSpace:

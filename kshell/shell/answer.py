@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.deferred import Deferred
+from kshell.equilibrium.linear import LinearSolution
+from kshell.equilibrium.path import Critical
+from kshell.equilibrium.problem import State
+from kshell.equilibrium.work import external_work
 from kshell.mesh.mesh import Mesh
-from kshell.probing import probe_values
-from kshell.result import Result, no_error_estimate
-from kshell.shell.equilibrium import State
+from kshell.result.deferred import Deferred
+from kshell.result.probing import probe_values
+from kshell.result.result import Result, no_error_estimate
 from kshell.shell.fields import ShellFields
 from kshell.shell.large import Trace
-from kshell.shell.linear import LinearSolution
-from kshell.shell.path import Critical
 from kshell.shell.problem import ShellProblem
 from kshell.shell.scene_reactions import find_reactions
-from kshell.shell.work import external_work
 
 Floats = NDArray[np.float64]
 

@@ -23,9 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.shell.frames import components, contravariant_to_frame, covariant_to_frame, tangent_frame
+from kshell.shell.koiter.surface import Surface
 from kshell.shell.reference import ReferenceTriangle
 from kshell.shell.section import Section
-from kshell.shell.surface import Surface
 
 Floats = NDArray[np.float64]
 

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.deferred import Deferred
+from kshell.material.section import Section
+from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
-from kshell.section import Section
+from kshell.result.deferred import Deferred
 from kshell.shell.frames import plane_tangents, tangent_frame
+from kshell.shell.koiter.recovery import Resultants
 from kshell.shell.locate import Nearest
-from kshell.shell.recovery import Resultants
 from kshell.shell.reference import VERTICES
-from kshell.tensors import principal, von_mises
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -42,7 +42,7 @@ class ShellFields:
         In space.
     recovery : of the discretisation
         With `resultants(points, triangles)` and `displacement(points, triangles)`.
-    section : kshell.section.Section
+    section : kshell.material.section.Section
     offset : float
         Of the middle of the material above the mesh.
     patches : (triangle,) int array

@@ -17,7 +17,7 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.unjoined import vertex_parts
 from kshell.mesh.words import place
-from kshell.shell.supports import Reduction
+from kshell.shell.koiter.supports import Reduction
 
 Floats = NDArray[np.float64]
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from kshell.equilibrium.bifurcation import buckling_modes
 from kshell.errors import InputError
-from kshell.imperfection import Imperfection
 from kshell.mesh.words import place
-from kshell.shell.bifurcation import buckling_modes
-from kshell.shell.discretisation import USE_KOITER
-from kshell.shell.koiter import Koiter
+from kshell.scene.imperfection import Imperfection
+from kshell.shell.koiter.discretisation import USE_KOITER
+from kshell.shell.koiter.energy import Koiter
 from kshell.shell.problem import ShellProblem
 from kshell.shell.reference import lagrange, lattice
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.shell.argyris import ChartKoiter
+from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.frames import components, contravariant_to_frame, tangent_frame
-from kshell.shell.koiter import Koiter
-from kshell.shell.loads import Value, evaluate
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.loads import Value, evaluate
 from kshell.shell.reference import TWICE, first_derivatives, lagrange
 from kshell.shell.vectors import cross, dot, norm
 

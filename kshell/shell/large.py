@@ -9,17 +9,17 @@ from typing import Protocol
 
 import numpy as np
 
+from kshell.equilibrium.checkpoint import Checkpoints
+from kshell.equilibrium.controlled import ControlledSteps
+from kshell.equilibrium.linear import LinearSolution
+from kshell.equilibrium.load_steps import Limits, LoadSteps, March, stuck
+from kshell.equilibrium.path import Critical
+from kshell.equilibrium.problem import State
 from kshell.errors import InputError, Interrupted, SolveError
-from kshell.naming import listing, suggestion
-from kshell.options import TOLERANCE, SolveOptions
-from kshell.shell.checkpoint import Checkpoints
-from kshell.shell.controlled import ControlledSteps
-from kshell.shell.equilibrium import State
-from kshell.shell.koiter import Koiter
-from kshell.shell.linear import LinearSolution
-from kshell.shell.load_steps import Limits, LoadSteps, March, stuck
-from kshell.shell.path import Critical
+from kshell.scene.options import TOLERANCE, SolveOptions
+from kshell.shell.koiter.energy import Koiter
 from kshell.shell.problem import ShellProblem
+from kshell.values.naming import listing, suggestion
 
 
 @dataclass(frozen=True)

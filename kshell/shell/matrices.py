@@ -6,9 +6,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from kshell.shell.chart_surface import ChartSurface
-from kshell.shell.loads import Value, edge_table, evaluate, surface_points
-from kshell.shell.surface import Surface
+from kshell.shell.chart.surface import ChartSurface
+from kshell.shell.koiter.loads import Value, edge_table, evaluate, surface_points
+from kshell.shell.koiter.surface import Surface
 
 Floats = NDArray[np.float64]
 

@@ -8,17 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
-from kshell.clock import Clock, Stage, peak_memory_mb
+from kshell.analysis.clock import Clock, Stage, peak_memory_mb
+from kshell.analysis.model_choice import ModelChoice, choose_model
+from kshell.equilibrium.linear import LinearSolution, solve_linear
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.mesh.mesh import Mesh
-from kshell.modelling import ModelChoice, choose_model
-from kshell.options import SolveOptions
-from kshell.result import Result
-from kshell.scene import Scene
+from kshell.result.result import Result
+from kshell.scene.options import SolveOptions
+from kshell.scene.scene import Scene
 from kshell.shell.answer import answer_linear, answer_trace, probes_of, small_fields
 from kshell.shell.imperfection import imperfect
 from kshell.shell.large import Indicator, Trace, grow_load, indicate
-from kshell.shell.linear import LinearSolution, solve_linear
 from kshell.shell.problem import ShellProblem
 
 

@@ -11,18 +11,18 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.analysis.model_choice import ModelChoice
+from kshell.equilibrium.problem import Follower, Problem, State
 from kshell.errors import InputError
-from kshell.material import rotated
+from kshell.material.materials import rotated
+from kshell.material.section import Section, shell_section
 from kshell.mesh import quadratic
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
-from kshell.modelling import ModelChoice
-from kshell.on_chart import lifted, mesh_in_space
-from kshell.scene import Scene
-from kshell.section import Section, shell_section
-from kshell.shell.discretisation import USE_KOITER, KoiterDiscretisation
-from kshell.shell.equilibrium import Follower, Problem, State
+from kshell.scene.on_chart import lifted, mesh_in_space
+from kshell.scene.scene import Scene
 from kshell.shell.held import require_held
+from kshell.shell.koiter.discretisation import USE_KOITER, KoiterDiscretisation
 from kshell.shell.locate import Locator
 from kshell.shell.scene_loads import SceneLoads, apply_loads
 from kshell.shell.scene_supports import SceneSupports, apply_supports, hinge_edges
@@ -195,7 +195,7 @@ def _discretise(
     scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[np.integer], offsets: Floats | None
 ) -> Any:
     if choice.element == "argyris":
-        from kshell.shell.argyris_discretisation import ArgyrisDiscretisation
+        from kshell.shell.chart.discretisation import ArgyrisDiscretisation
 
         if len(hinges):
             raise InputError(

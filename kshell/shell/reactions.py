@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kshell.shell.chart_surface import ChartSurface
-from kshell.shell.edges import first_triangle
-from kshell.shell.surface import Surface
+from kshell.shell.chart.surface import ChartSurface
+from kshell.shell.koiter.edges import first_triangle
+from kshell.shell.koiter.surface import Surface
 from kshell.shell.vectors import norm
 
 Floats = NDArray[np.float64]

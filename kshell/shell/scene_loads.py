@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.equilibrium.problem import Follower
 from kshell.errors import InputError
+from kshell.material.section import Section
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.mesh.orient import WALKED_FORWARD
 from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
-from kshell.section import Section
-from kshell.shell.discretisation import USE_KOITER
-from kshell.shell.equilibrium import Follower
 from kshell.shell.initial import StressFree, initial_strain, temperature
+from kshell.shell.koiter.discretisation import USE_KOITER
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -55,7 +55,7 @@ def apply_loads(
         In space.
     energy : StrainEnergy
         Of the discretisation, for initial strains.
-    section : kshell.section.Section
+    section : kshell.material.section.Section
         For the weight.
 
     Raises

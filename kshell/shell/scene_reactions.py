@@ -16,10 +16,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import cg
 
-from kshell.deferred import Deferred
-from kshell.shell.linear import LinearSolution
+from kshell.equilibrium.linear import LinearSolution
+from kshell.result.deferred import Deferred
+from kshell.shell.koiter.supports import Reduction
 from kshell.shell.scene_supports import SceneSupports
-from kshell.shell.supports import Reduction
 
 Floats = NDArray[np.float64]
 

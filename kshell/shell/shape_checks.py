@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from kshell.analysis.model_choice import THINNEST_ARGYRIS
+from kshell.material.section import Section
 from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
-from kshell.modelling import THINNEST_ARGYRIS
-from kshell.section import Section
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import kshell as ks
 from kshell.errors import InputError
 from kshell.mesh import Mesh, read_mesh
 from kshell.mesh.on_geometry import put_on_geometry
-from kshell.scenefile import load_scene, read_toml
+from kshell.scene.toml import load_scene, read_toml
 
 SHIPPED = Path(__file__).parents[2] / "meshes"
 
@@ -263,7 +263,7 @@ kind = "pressure"
 value = 1.0
 """
     )
-    from kshell.cli import run
+    from kshell.cli.commands import run
 
     assert run(["solve", str(tmp_path / "disk.toml"), "-o", str(tmp_path / "a")]) == 0
     assert (

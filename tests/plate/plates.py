@@ -8,9 +8,9 @@ import numpy as np
 
 import kshell as ks
 from kshell.mesh.mesh import Mesh
-from kshell.options import SolveOptions
 from kshell.plate import solve_plate
-from kshell.result import Result
+from kshell.result.result import Result
+from kshell.scene.options import SolveOptions
 
 UNIT = {"E": 12 * (1 - 0.3**2), "nu": 0.3}  # with thickness 1 the bending stiffness D is 1
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.analysis.solve import solve
 from kshell.mesh.mesh import Mesh
-from kshell.solving import solve
 from tests.plate.plates import UNIT
 
 

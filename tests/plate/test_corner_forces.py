@@ -5,9 +5,9 @@ import pytest
 
 import kshell as ks
 from kshell.mesh.mesh import Mesh
+from kshell.verify.cases import Run, find
+from kshell.verify.cases.quantities import EdgeForce
 from tests.plate.plates import disk, rectangle, solve
-from verification.cases import Run, find
-from verification.cases.quantities import EdgeForce
 
 
 def force_along_x0(result, cells):

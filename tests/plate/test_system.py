@@ -6,9 +6,9 @@ import scipy.sparse as sp
 
 import kshell as ks
 from kshell.elements import ElementArgyris, ElementMorley
-from kshell.options import SolveOptions
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
+from kshell.scene.options import SolveOptions
 from tests.plate.plates import UNIT, disk, rectangle, solve
 
 ELEMENTS = {"morley": ElementMorley, "argyris": ElementArgyris}

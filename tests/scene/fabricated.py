@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import kshell as ks
-from kshell.result import Result
+from kshell.result.result import Result
 
 
 def square_mesh(n: int = 8, order: int = 1, side: float = 1.0) -> ks.Mesh:

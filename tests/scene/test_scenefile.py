@@ -3,7 +3,7 @@ import copy
 import pytest
 
 import kshell as ks
-from kshell.scenefile import apply_override
+from kshell.scene.toml import apply_override
 
 DATA = {
     "title": "Steel plate",

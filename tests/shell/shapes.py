@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.equilibrium.linear import LinearSolution, solve_linear
 from kshell.mesh.mesh import Mesh
-from kshell.shell.koiter import Koiter
-from kshell.shell.linear import LinearSolution, solve_linear
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.supports import Reduction, Supports
+from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
-from kshell.shell.supports import Reduction, Supports
-from kshell.shell.surface import Surface
 
 Floats = NDArray[np.float64]
 

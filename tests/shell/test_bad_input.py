@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from kshell.cli import run
+from kshell.cli.commands import run
 from tests.shell.shapes import panel, strip
 from tests.shell.shell_scenes import MESHES
 

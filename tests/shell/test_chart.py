@@ -3,17 +3,17 @@
 import numpy as np
 import pytest
 
+from kshell.equilibrium.linear import solve_linear
 from kshell.errors import InputError
 from kshell.geometry import Chart
 from kshell.mesh.mesh import Mesh
-from kshell.shell import chart_loads
-from kshell.shell.argyris import ChartKoiter
-from kshell.shell.chart_supports import ChartSupports
-from kshell.shell.chart_surface import ChartSurface
-from kshell.shell.linear import solve_linear
+from kshell.shell.chart import loads as chart_loads
+from kshell.shell.chart.energy import ChartKoiter
+from kshell.shell.chart.supports import ChartSupports
+from kshell.shell.chart.surface import ChartSurface
+from kshell.shell.koiter.recovery import chart_resultants
 from kshell.shell.matrices import chart_foundation
 from kshell.shell.reactions import chart_resultant
-from kshell.shell.recovery import chart_resultants
 from kshell.shell.section import Section
 from tests.shell.shapes import rectangle
 from tests.shell.test_koiter import LAMINATE

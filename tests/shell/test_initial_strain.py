@@ -30,7 +30,7 @@ HELD = [
 def stiffness(section, x=0.5):
     """A and B of a section."""
     if "layers" in section:
-        from kshell.laminate import laminate
+        from kshell.material.laminate import laminate
 
         stack = laminate(section["layers"])
         return stack.A, stack.B

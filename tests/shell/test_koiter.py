@@ -6,10 +6,10 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kshell.shell.edges import edge_angles, turn_directors
-from kshell.shell.koiter import Koiter, energy_density
+from kshell.shell.koiter.edges import edge_angles, turn_directors
+from kshell.shell.koiter.energy import Koiter, energy_density
+from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
-from kshell.shell.surface import Surface
 from tests.shell.shapes import SHAPES, cylinder, patch, rectangle
 
 ORDERS = (1, 2, 3)

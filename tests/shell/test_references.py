@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kshell.mesh.mesh import Mesh
-from kshell.shell import loads
-from kshell.shell.recovery import energies, resultants
+from kshell.shell.koiter import loads
+from kshell.shell.koiter.recovery import energies, resultants
 from kshell.shell.section import Section
 from tests.shell.shapes import Model, cylinder, rectangle, sphere
 

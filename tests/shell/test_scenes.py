@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from kshell.cli import run
+from kshell.cli.commands import run
 from tests.scene.fabricated import square_mesh
 from tests.shell import revolution
 from tests.shell.shapes import joined, panel

@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 
+from kshell.equilibrium.linear import solve_linear
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
-from kshell.shell import loads, matrices
+from kshell.shell import matrices
 from kshell.shell.initial import StressFree, initial_strain, temperature
-from kshell.shell.koiter import Koiter
-from kshell.shell.linear import solve_linear
+from kshell.shell.koiter import loads
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.recovery import displacement, resultants
+from kshell.shell.koiter.supports import Supports
+from kshell.shell.koiter.surface import Surface
 from kshell.shell.reactions import resultant, rotation_axes
-from kshell.shell.recovery import displacement, resultants
 from kshell.shell.section import Section
-from kshell.shell.supports import Supports
-from kshell.shell.surface import Surface
 from tests.shell.shapes import Model, cylinder, fold, joined, panel, rectangle, sphere
 
 BEAM = Section.isotropic(12.0, 0.0, 1.0)  # bending stiffness 1 per width

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from kshell.mesh.mesh import Mesh
-from kshell.shell import topology
-from kshell.shell.surface import Surface
+from kshell.shell.koiter import topology
+from kshell.shell.koiter.surface import Surface
 from tests.shell.shapes import box, cylinder, fold, patch, rectangle, strip, tee
 
 

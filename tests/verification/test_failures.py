@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from verification.cases import find, meshes
-from verification.cases.plate import plate
+from kshell.verify.cases import find, meshes
+from kshell.verify.cases.plate import plate
 from verification.failures import (
     GALLERY,
     conditioning,

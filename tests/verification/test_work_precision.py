@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kshell.verify.cases import meshes
 from verification.benchmarks import shells
-from verification.cases import meshes
 from verification.peers.surfaces import FREEDOMS, SURFACES
 from verification.work_precision import measure, nodes, own, table, tables
 from verification.work_precision.catalogue import COMPARISONS

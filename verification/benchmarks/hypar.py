@@ -9,8 +9,8 @@ are singular, so sequences on uniform meshes stop too early. About a minute and 
 
 from __future__ import annotations
 
-from verification.cases.case import TRUE_SURFACE, Run
-from verification.cases.doubly_curved import hypars
+from kshell.verify.cases.case import TRUE_SURFACE, Run
+from kshell.verify.cases.doubly_curved import hypars
 
 REFINED = [Run("koiter", n, TRUE_SURFACE, 3) for n in (24, 48, 96)]
 REFINED += [Run("argyris", n, TRUE_SURFACE) for n in (16, 32, 64)]

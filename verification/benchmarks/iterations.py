@@ -27,7 +27,7 @@ from kshell.elements import ElementArgyris, ElementMorley
 from kshell.mesh.mesh import Group, Mesh
 from kshell.mesh.order import in_spatial_order
 from kshell.plate.problem import PlateProblem
-from kshell.solve import prepare
+from kshell.solvers import prepare
 
 HERE = Path(__file__).parent
 ELEMENTS: dict[str, tuple[Any, float]] = {"morley": (ElementMorley, 4.0), "argyris": (ElementArgyris, 9.0)}

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 import kshell as ks
+from kshell.analysis.model_choice import choose_model
+from kshell.equilibrium.path import PathFollower
 from kshell.mesh import read_mesh
-from kshell.modelling import choose_model
-from kshell.shell.path import PathFollower
 from kshell.shell.problem import ShellProblem
-from verification.cases import large_scenes as scenes
+from kshell.verify.cases import large_scenes as scenes
 
 HEAD = f"{'case':34s} {'value':>12s} {'reference':>12s} {'error':>9s} {'seconds':>8s} {'steps':>6s} {'iterations':>10s}"
 
@@ -171,7 +171,7 @@ def pull_out() -> None:
     begin = time.perf_counter()
     scene = scenes.pull_out()
     problem = kernel(scene)
-    from kshell.shell.load_steps import load_path
+    from kshell.equilibrium.load_steps import load_path
 
     equilibrium = problem.equilibrium()
     state = equilibrium.start()

@@ -25,7 +25,7 @@ import meshio
 import numpy as np
 
 import kshell as ks
-from verification.cases.large_scenes import rectangle
+from kshell.verify.cases.large_scenes import rectangle
 
 # CPU time after which a run is interrupted, as by Ctrl-C: it must still leave its last good state
 SECONDS = 60

@@ -43,12 +43,12 @@ def roof(cells: int) -> Any:
     sys.path.insert(0, str(HERE))
     from shells import cylinder, grid
 
-    from kshell.shell import loads
-    from kshell.shell.equilibrium import Problem
-    from kshell.shell.koiter import Koiter
+    from kshell.equilibrium.problem import Problem
+    from kshell.shell.koiter import loads
+    from kshell.shell.koiter.energy import Koiter
+    from kshell.shell.koiter.supports import Supports
+    from kshell.shell.koiter.surface import Surface
     from kshell.shell.section import Section
-    from kshell.shell.supports import Supports
-    from kshell.shell.surface import Surface
 
     mesh = grid(cells, (254.0, 254.0), 1.0)
     surface = Surface(mesh, 2, cylinder(2540.0))
@@ -67,7 +67,7 @@ def one(cells: int) -> dict[str, float]:
     """Measure the kshell of this process: seconds of each phase, and of the first iteration."""
     import numpy as np
 
-    from kshell.shell.newton import correct
+    from kshell.equilibrium.newton import correct
 
     problem = roof(cells)
     energy, basis = problem.energy, problem.reduction.basis
@@ -163,10 +163,10 @@ def whole_solves() -> None:
     import numpy as np
 
     import kshell as ks
-    from kshell.modelling import choose_model
-    from kshell.shell.load_steps import load_path
+    from kshell.analysis.model_choice import choose_model
+    from kshell.equilibrium.load_steps import load_path
     from kshell.shell.problem import ShellProblem
-    from verification.cases import large_scenes as scenes
+    from kshell.verify.cases import large_scenes as scenes
 
     def of_strip(result: ks.Result) -> list[float]:
         u = result.probe("tip")["u"]

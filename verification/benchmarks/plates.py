@@ -46,6 +46,7 @@ def run_kshell(element: str, cells: int) -> Callable[[], int]:
     """Stiffness and load of the free plate as a sparse matrix, from points and triangles alone."""
     import kshell as ks
     from kshell.elements import ElementArgyris, ElementMorley
+    from kshell.material.section import plate_section
     from kshell.mesh.mesh import Mesh
     from kshell.plate.assembly import assemble
     from kshell.plate.domain import Domain
@@ -54,7 +55,6 @@ def run_kshell(element: str, cells: int) -> Callable[[], int]:
     from kshell.plate.loading import AreaLoad
     from kshell.plate.pattern import Pattern
     from kshell.plate.reduction import Conditions, Reduction
-    from kshell.section import plate_section
 
     made = unit_square(cells)
     mesh = Mesh(made.points, made.triangles)  # topology is part of the work, on both sides
@@ -111,7 +111,7 @@ def measure(run: Callable[[str, int], Callable[[], int]], element: str) -> tuple
 def digits() -> dict[str, float]:
     """Relative errors of the clamped and the simply supported square, 2048 triangles, Argyris."""
     import kshell as ks
-    from kshell.solving import solve
+    from kshell.analysis.solve import solve
 
     out = {}
     edges = {"clamped": ks.Clamped("edge"), "supported": ks.SimplySupported("edge")}

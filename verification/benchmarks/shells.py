@@ -18,8 +18,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from kshell.saving import write_together
-from verification.suite.machine import machine, one_line
+from kshell.result.saving import write_together
+from kshell.verify.machine import machine, one_line
 from verification.work_precision import table
 from verification.work_precision.__main__ import shown
 from verification.work_precision.catalogue import COMPARISONS

@@ -72,7 +72,7 @@ def measure(element: str, path: Path, method: str, tolerance: float | None) -> d
     from kshell.mesh.mesh import Group, Mesh
     from kshell.mesh.order import in_spatial_order
     from kshell.plate.problem import PlateProblem
-    from kshell.solve import prepare
+    from kshell.solvers import prepare
 
     begin = time.process_time()
     arrays = np.load(path)

@@ -7,12 +7,12 @@ import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
-from kshell.shell.edges import Directors, first_triangle
-from kshell.shell.koiter import Koiter
-from kshell.shell.recovery import energies
+from kshell.shell.koiter.edges import Directors, first_triangle
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.recovery import energies
+from kshell.shell.koiter.surface import Surface
 from kshell.shell.reference import lagrange
 from kshell.shell.section import Section
-from kshell.shell.surface import Surface
 from kshell.shell.vectors import cross, dot, norm
 from verification.failures.bent import NU, Bent
 

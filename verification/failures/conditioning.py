@@ -10,8 +10,8 @@ import numpy as np
 import kshell as ks
 from kshell.elements import ElementArgyris
 from kshell.plate.problem import PlateProblem
-from verification.cases import find
-from verification.cases.case import Run
+from kshell.verify.cases import find
+from kshell.verify.cases.case import Run
 from verification.failures.failure import Failure, Numbers, columns, lines, panels
 from verification.peers import scikit_fem
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from verification.cases import find, meshes
+from kshell.verify.cases import find, meshes
 from verification.failures.failure import Failure, Numbers, columns, deflection, lines, panels, solved
 from verification.peers import scikit_fem
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kshell as ks
-from verification.cases import meshes
-from verification.cases.plate import plate
+from kshell.verify.cases import meshes
+from kshell.verify.cases.plate import plate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

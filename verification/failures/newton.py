@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kshell.equilibrium.newton import DIVERGED, FINISHED, correct
+from kshell.equilibrium.problem import Problem, State
 from kshell.errors import SolveError
-from kshell.shell import loads
-from kshell.shell.equilibrium import Problem, State
-from kshell.shell.newton import DIVERGED, FINISHED, correct
+from kshell.shell.koiter import loads
 from kshell.shell.section import Section
 from verification.failures.bent import rectangle
 from verification.failures.failure import Failure, Numbers, columns, lines, panels
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from scipy.sparse import csr_matrix
 
-    from kshell.solve.repeated import Factor
+    from kshell.solvers.repeated import Factor
 
 Corrector = Callable[[Problem, State, float], State]
 
@@ -44,7 +44,7 @@ class Counted(Problem):
 
 
 def plain(problem: Problem, state: State, factor: float) -> State:
-    """Newton's method as in textbooks, with the stopping rules of `kshell.shell.newton`."""
+    """Newton's method as in textbooks, with the stopping rules of `kshell.equilibrium.newton`."""
     basis, x, first = problem.reduction.basis, state.x, 0.0
     for iteration in range(1, MOST_ITERATIONS + 1):
         energy, residual, growth = problem.evaluate(x, factor, 2, state.memory)

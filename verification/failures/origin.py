@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.cases import find, meshes
+from kshell.verify.cases import find, meshes
 from verification.failures.failure import (
     Failure,
     Floats,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import kshell as ks
-from verification.cases import find, meshes
+from kshell.verify.cases import find, meshes
 from verification.failures.failure import Failure, Numbers, columns, lines, moment, panels, solved
 
 if TYPE_CHECKING:

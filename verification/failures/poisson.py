@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import kshell as ks
-from verification.cases import meshes
+from kshell.verify.cases import meshes
 from verification.failures.failure import Failure, Floats, Numbers, columns, deflection, lines, panels, solved
 
 if TYPE_CHECKING:

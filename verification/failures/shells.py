@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
-from kshell.shell.koiter import Koiter
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.supports import Supports
+from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
-from kshell.shell.supports import Supports
-from kshell.shell.surface import Surface
 
 Floats = NDArray[np.float64]
 NEAR = 1e-9

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kshell as ks
-from verification.cases import find, meshes
+from kshell.verify.cases import find, meshes
 from verification.failures.failure import (
     Failure,
     Floats,

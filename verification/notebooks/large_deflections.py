@@ -24,7 +24,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import kshell as ks
-from verification.cases import find, large_scenes
+from kshell.verify.cases import find, large_scenes
 
 warnings.simplefilter("ignore", ks.KshellWarning)
 quick = False

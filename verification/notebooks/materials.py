@@ -17,7 +17,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import kshell as ks
-from verification.cases import find, meshes
+from kshell.verify.cases import find, meshes
 from verification.failures import measured, poisson
 
 warnings.simplefilter("ignore", ks.KshellWarning)

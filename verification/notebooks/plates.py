@@ -16,7 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import kshell as ks
-from verification.cases import Run, find, meshes
+from kshell.verify.cases import Run, find, meshes
 
 warnings.simplefilter("ignore", ks.KshellWarning)
 sizes = (4, 8, 16, 32)

@@ -23,9 +23,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import kshell as ks
-from verification.cases import Run, find
-from verification.cases.case import TRUE_SURFACE
-from verification.cases.unstructured import MESHES
+from kshell.verify.cases import Run, find
+from kshell.verify.cases.case import TRUE_SURFACE
+from kshell.verify.cases.unstructured import MESHES
 
 warnings.simplefilter("ignore", ks.KshellWarning)
 quick = False

@@ -21,8 +21,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import kshell as ks
-from verification.cases import Run, find, meshes
-from verification.cases.plate import plate
+from kshell.verify.cases import Run, find, meshes
+from kshell.verify.cases.plate import plate
 from verification.failures import curved_support, measured
 
 warnings.simplefilter("ignore", ks.KshellWarning)

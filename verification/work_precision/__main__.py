@@ -13,8 +13,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from kshell.saving import write_together
-from verification.suite.machine import machine
+from kshell.result.saving import write_together
+from kshell.verify.machine import machine
 from verification.work_precision import table
 from verification.work_precision.catalogue import COMPARISONS
 from verification.work_precision.draw import OURS, chart

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from verification.cases import find, meshes
+from kshell.verify.cases import find, meshes
 from verification.work_precision.problems import PlateComparison, Reference, ShellComparison
 
 LAYERS = 16  # of the triangles around the corner of the L-shape

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from verification.suite.machine import one_line
+from kshell.verify.machine import one_line
 from verification.work_precision.methods import METHODS
 from verification.work_precision.problems import Comparison
 

@@ -23,7 +23,7 @@ _PLACES = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1],
 def lattice(along: int, across: int, nodes: int) -> tuple[Floats, Ints]:
     """Points (n, 2) of the unit square and cells of 3, 4 or 8 nodes.
 
-    Triangles are those of `verification.cases.meshes.grid`.
+    Triangles are those of `kshell.verify.cases.meshes.grid`.
     """
     step = 2 if nodes == 8 else 1
     n, m = step * along, step * across

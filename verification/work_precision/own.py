@@ -38,8 +38,8 @@ def solve(arrays: dict[str, Any], job: dict[str, Any]) -> Read:
 
 def _bare(scene: ks.Scene, options: dict[str, Any], problem: str) -> Read:
     """A linear shell without recovery and reactions: what the other programs do."""
-    from kshell.modelling import choose_model
-    from kshell.shell.linear import solve_linear
+    from kshell.analysis.model_choice import choose_model
+    from kshell.equilibrium.linear import solve_linear
     from kshell.shell.problem import ShellProblem
 
     mesh = scene.read_mesh()

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import kshell as ks
-from verification.cases.plate import plate
+from kshell.verify.cases.plate import plate
 from verification.peers.surfaces import SURFACES
 from verification.work_precision import nodes
 

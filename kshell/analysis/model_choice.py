@@ -1,0 +1,265 @@
+"""Which model a scene asks for: plate or shell, with which element, and why, in words.
+
+A plate in its plane z = const bends only. Everything else is a shell, which bends and stretches: surfaces
+in space, and flat meshes whose loads, supports or layers stretch them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from kshell.errors import InputError
+from kshell.material.laminate import NEGLIGIBLE_COUPLING, laminate
+from kshell.mesh.check import is_flat
+from kshell.mesh.facets import facets
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.select import select
+from kshell.scene.options import SolveOptions
+from kshell.scene.scene import Scene
+from kshell.values.varying import is_constant
+
+# part of a load that is nothing but rounding
+NEGLIGIBLE = 1e-12
+# thinner charts, against their size, are left to the element that does not lock
+THINNEST_ARGYRIS = 2e-3
+# up to so many triangles on true geometry cubics take a second or two
+CUBICS_UP_TO = 4000
+
+
+@dataclass(frozen=True)
+class ModelChoice:
+    """A model and why it was taken.
+
+    Attributes
+    ----------
+    kind : "plate" or "shell"
+    element : str
+        Of a shell "koiter" or "argyris"; of a plate as in the options.
+    order : int
+        Of the Koiter element, 0 for others.
+    reasons : tuple of str
+    """
+
+    kind: Literal["plate", "shell"]
+    element: str
+    order: int
+    reasons: tuple[str, ...]
+
+
+def choose_model(scene: Scene, mesh: Mesh, options: SolveOptions) -> ModelChoice:
+    """The model asked for, or the cheapest one that has everything in the scene.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Of the scene, as read: in the parameter plane where there is a chart.
+
+    Raises
+    ------
+    InputError
+        If options contradict each other or the scene.
+    """
+    _require_sense(scene, options)
+    kind, why = _kind(scene, mesh, options)
+    if kind == "plate":
+        _require_plate(scene)
+        return ModelChoice("plate", options.element, 0, (why,))
+    if options.element == "argyris" and scene.chart is None:
+        raise InputError(
+            'element = "argyris" takes a shell on a chart only (key chart, with the mesh in its parameter plane): '
+            'leave element out, or take "koiter"'
+        )
+    if scene.chart is not None and options.order == "auto" and options.element in ("auto", "argyris"):
+        return _on_chart(scene, mesh, options, why)
+    order, reason = _order(scene, mesh, options)
+    asked = (
+        "as asked for"
+        if options.element == "koiter"
+        else "for surfaces with folds, branches and any curvature"
+    )
+    return ModelChoice("shell", "koiter", order, (why, f"element koiter: {asked}", reason))
+
+
+def _require_sense(scene: Scene, options: SolveOptions) -> None:
+    if options.element == "morley" and options.model == "shell":
+        raise InputError(
+            'element = "morley" is for plates: a shell takes "koiter", on a chart also "argyris"'
+        )
+    if options.element == "koiter" and options.model == "plate":
+        raise InputError('element = "koiter" belongs to model = "shell": leave the model out')
+    if options.order != "auto" and options.element in ("morley", "argyris"):
+        raise InputError(
+            f'order = {options.order} is for element = "koiter": "{options.element}" has one order only, leave '
+            "order out"
+        )
+    if options.order != "auto" and options.model == "plate":
+        raise InputError(
+            'order is for element = "koiter", which belongs to model = "shell": leave one of them out'
+        )
+    if options.large_asked:
+        _require_large(options)
+    for key, given in (("control", options.control is not None), ("branch", options.branch != 0)):
+        if given and options.analysis != "path":
+            raise InputError(
+                f'{key} is for analysis = "path" (kshell trace): leave it out, or follow the path'
+            )
+    if options.control is not None and options.branch:
+        raise InputError(
+            "control and branch given: a branch is followed by its length, leave one of them out"
+        )
+    followers = [load for load in scene.loads if getattr(load, "follower", False)]
+    if followers and options.large_deflection is False and options.analysis == "static":
+        raise InputError(
+            f"{followers[0]}: follower = true turns the pressure with the surface, which matters only under large "
+            "deflections; leave it out for small ones"
+        )
+    if scene.chart is not None and (options.model == "plate" or options.element == "morley"):
+        raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
+
+
+def _require_plate(scene: Scene) -> None:
+    """Refuse what a plate does not have, rather than leave it out."""
+    shells_only = [str(support) for support in scene.supports if support.kind == "hinge"]
+    shells_only += [f"offset = {scene.offset:g}"] if scene.offset != 0.0 else []
+    shells_only += ["imperfection"] if scene.imperfection is not None else []
+    shells_only += ["direction"] if scene.direction is not None else []
+    if shells_only:
+        raise InputError(f'{shells_only[0]} is for shells: take model = "shell", or leave it out')
+
+
+def _require_large(options: SolveOptions) -> None:
+    what = 'analysis = "path"' if options.analysis == "path" else "large_deflection = true"
+    if options.analysis == "path" and options.large_deflection is False:
+        raise InputError('analysis = "path" follows large deflections: leave large_deflection = false out')
+    if options.model == "plate":
+        raise InputError(f'{what} is for shells, flat ones too: leave model = "plate" out')
+    if options.element == "morley":
+        raise InputError(f'{what} is for shells: leave element = "morley" out, or take "koiter"')
+
+
+def _kind(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[Literal["plate", "shell"], str]:
+    if options.model != "auto":
+        return options.model, f"kind {options.model}: as asked for"
+    if scene.chart is not None:
+        return "shell", f"kind shell: the mesh lies in the parameter plane of {scene.chart!r}"
+    flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
+    if options.element == "koiter" or options.order != "auto":
+        return "shell", "kind shell: the Koiter element was asked for"
+    if options.element == "morley" or (options.element == "argyris" and flat and not options.large_asked):
+        return "plate", f"kind plate: element {options.element} was asked for"
+    if not flat:
+        return "shell", "kind shell: the mesh does not lie in a plane z = const"
+    if options.large_asked:
+        return "shell", "kind shell: large deflections of a flat mesh stretch it"
+    stretching = next(_stretching(scene, mesh), None)
+    if stretching is None:
+        return "plate", "kind plate: the mesh is flat, bending alone describes it"
+    return "shell", f"kind shell: the mesh is flat, but {stretching}"
+
+
+def _stretching(scene: Scene, mesh: Mesh) -> Iterator[str]:
+    """What in a flat scene stretches the plate in its plane, in words."""
+    if scene.layers is not None and laminate(scene.layers).coupling > NEGLIGIBLE_COUPLING:
+        yield "the layers are not symmetric about their middle, so bending stretches them"
+    if scene.offset != 0.0:
+        yield "the material lies off the mesh, so bending stretches it"
+    if scene.imperfection is not None:
+        yield "its imperfection curves it"
+    for support in scene.supports:
+        if support.kind == "hinge":
+            yield f"{support} is a hinge line"
+        elif support.value is not None:
+            value = support.translation_at(_points(mesh, support))
+            if _exceeds(value[:, :2], value):
+                yield f"{support} moves it in its plane"
+    for load in scene.loads:
+        if getattr(load, "follower", False):
+            yield f"{load} follows the surface"
+        if load.kind in ("traction", "gravity", "line_force", "point_force"):
+            value = load.at(_points(mesh, load))
+            if _exceeds(value[:, :2], value):
+                yield f"{load} acts in its plane"
+        elif load.kind == "point_moment":
+            value = load.at(_points(mesh, load))
+            if _exceeds(value[:, 2], value):
+                yield f"{load} turns it in its plane"
+        elif load.kind == "initial_strain" or (
+            load.kind == "temperature" and not (is_constant(load.mean) and load.mean == 0.0)
+        ):
+            yield f"{load} stretches it"
+
+
+def _exceeds(part: Any, whole: Any) -> bool:
+    return bool(np.abs(part).max(initial=0.0) > NEGLIGIBLE * np.abs(whole).max(initial=0.0))
+
+
+def _points(mesh: Mesh, acting: Any) -> Any:
+    if acting.on is None:
+        return mesh.points
+    chosen = select(mesh, acting.on, what=str(acting))
+    if chosen.dimension == 0:
+        return mesh.points[chosen.members]
+    corners = mesh.edges if chosen.dimension == 1 else mesh.triangles
+    return mesh.points[np.unique(corners[chosen.members])]
+
+
+def _on_chart(scene: Scene, mesh: Mesh, options: SolveOptions, why: str) -> ModelChoice:
+    if options.element == "argyris":
+        return ModelChoice("shell", "argyris", 5, (why, "element argyris: as asked for"))
+    thickness, size = _largest_thickness(scene, mesh), _size_on_chart(scene, mesh)
+    if thickness >= THINNEST_ARGYRIS * size and not _beyond_argyris(scene):
+        reason = (
+            "element argyris: the chart is smooth and not very thin, so quintics need the fewest unknowns"
+        )
+        return ModelChoice("shell", "argyris", 5, (why, reason))
+    order, reason = _order(scene, mesh, options)
+    what = (
+        _beyond_argyris(scene)
+        or f"thickness {thickness:.3g} is small against the size {size:.3g}: no locking"
+    )
+    return ModelChoice("shell", "koiter", order, (why, f"element koiter: {what}", reason))
+
+
+def _beyond_argyris(scene: Scene) -> str:
+    """What the Argyris element on charts does not have, in words; empty if it has everything."""
+    if scene.imperfection is not None:
+        return "the imperfection moves its nodes"
+    for support in scene.supports:
+        if support.kind == "hinge":
+            return f"{support} needs it"
+    for load in scene.loads:
+        if getattr(load, "follower", False):
+            return f"{load} needs it"
+    return ""
+
+
+def _largest_thickness(scene: Scene, mesh: Mesh) -> float:
+    from kshell.material.section import shell_section
+
+    section = shell_section(mesh, scene.thickness, scene.material, scene.layers)
+    centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
+    return float(section.thickness(np.arange(len(mesh.triangles)), centres).max())
+
+
+def _size_on_chart(scene: Scene, mesh: Mesh) -> float:
+    x = scene.chart.derivatives(*mesh.points[:, :2].T, order=0)[0]
+    return float(np.linalg.norm(np.ptp(x, axis=0)))
+
+
+def _order(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[int, str]:
+    if options.order != "auto":
+        return options.order, f"order {options.order}: as asked for"
+    true_shape = scene.chart is not None or facets(mesh) is None
+    n = len(mesh.triangles)
+    if true_shape and n <= CUBICS_UP_TO:
+        return 3, f"order 3: {n} triangles of true shape are few enough for cubics, the most accurate choice"
+    if true_shape:
+        return 2, f"order 2: {n} triangles are more than {CUBICS_UP_TO}, where cubics would take long"
+    return (
+        2,
+        "order 2: the mesh has flat triangles (order 1), whose shape limits the accuracy of higher orders",
+    )

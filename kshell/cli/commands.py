@@ -1,0 +1,338 @@
+"""The command line: `kshell solve`, `kshell trace`, `kshell check` and `kshell verify`.
+
+Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
+traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+import traceback
+from collections.abc import Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kshell.cli.scene_options import flag, is_scene, no_overrides, number, scene_of
+from kshell.errors import InputError, Interrupted, KshellError, KshellWarning, SolveError
+
+if TYPE_CHECKING:
+    from kshell.result.result import Result
+    from kshell.scene.scene import Scene
+
+ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
+COMMANDS = ("solve", "trace", "check", "verify")
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="kshell",
+    help="Finite elements for thin plates and shells: a gmsh mesh goes in, a checked answer comes out.",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+Source = Annotated[
+    Path, typer.Argument(metavar="SCENE.toml|MESH", help="A scene file, or a mesh or geometry file.")
+]
+JsonFile = Annotated[
+    str | None,
+    typer.Option(
+        "--json", metavar="FILE|-", help="Write result.json to FILE; - is stdout, and nothing else there."
+    ),
+]
+Pictures = Annotated[
+    bool,
+    typer.Option("--plot", help="Write pictures too; without -o into a folder named after the scene."),
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Replace a value of the scene file, e.g. load.0.value=2000. Repeatable.",
+    ),
+]
+Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from kshell import __version__
+
+        typer.echo(f"kshell {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def solve(
+    source: Source,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="DIR", help="Write result.json and result.vtu here."),
+    ] = None,
+    json: JsonFile = None,
+    plot: Pictures = False,
+    set_: Overrides = None,
+    thickness: Annotated[
+        str | None, typer.Option(help="Of a mesh file: number or expression in x, y, z.", show_default=False)
+    ] = None,
+    E: Annotated[float | None, typer.Option("--E", help="Young's modulus.")] = None,
+    nu: Annotated[float | None, typer.Option("--nu", help="Poisson's ratio, -1 < nu < 1/2.")] = None,
+    density: Annotated[float | None, typer.Option(help="Mass per volume.")] = None,
+    clamped: Annotated[
+        list[str] | None, typer.Option(metavar="GROUP", help="Clamped group. Repeatable.")
+    ] = None,
+    supported: Annotated[
+        list[str] | None, typer.Option(metavar="GROUP", help="Simply supported group. Repeatable.")
+    ] = None,
+    symmetry: Annotated[
+        list[str] | None, typer.Option(metavar="GROUP", help="Group on a plane of symmetry. Repeatable.")
+    ] = None,
+    pressure: Annotated[
+        str | None,
+        typer.Option(
+            help="Force per area along the normal (+z on a plate): number or expression in x, y, z."
+        ),
+    ] = None,
+    mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
+    mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,
+    geometry: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Of a flat-sided mesh: .geo, .step, .brep to curve it onto."),
+    ] = None,
+    model: Annotated[str | None, typer.Option(metavar="auto|plate|shell", help="Which model.")] = None,
+    element: Annotated[
+        str | None, typer.Option(metavar="auto|morley|argyris|koiter", help="Which element.")
+    ] = None,
+    order: Annotated[str | None, typer.Option(metavar="auto|1|2|3", help="Of the koiter element.")] = None,
+    solver: Annotated[
+        str | None, typer.Option(metavar="auto|direct|multigrid", help="How the linear system is solved.")
+    ] = None,
+    large_deflection: Annotated[
+        str | None, typer.Option(metavar="auto|true|false", help="Whether deflections are large.")
+    ] = None,
+    steps: Annotated[
+        str | None, typer.Option(metavar="auto|N", help="First guess of the load steps.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Solve a scene file, or a mesh file described by options."""
+    plate = {
+        "thickness": thickness,
+        "E": E,
+        "nu": nu,
+        "density": density,
+        "clamped": clamped,
+        "supported": supported,
+        "symmetry": symmetry,
+        "pressure": pressure,
+        "mesh_size": mesh_size,
+        "mesh_order": mesh_order,
+        "geometry": geometry,
+    }
+    begin = time.perf_counter()
+    scene = scene_of(source, plate, set_ or [])
+    given = {"model": model, "element": element, "order": number(order), "solver": solver}
+    given |= {"large_deflection": flag(large_deflection), "steps": number(steps)}
+    options = {key: value for key, value in given.items() if value is not None}
+    folder = output or (Path(f"{source.stem}-result") if plot else None)
+    try:
+        result = _solve(scene, options)
+    except (SolveError, Interrupted) as error:
+        _save_last(error.state, folder, plot, json)
+        raise
+    written: list[str] = []
+    if folder is not None:
+        written += result.save(folder, plots=plot)
+    written += _write_json(result, json)
+    if json != "-":
+        from kshell.cli.terminal import print_result
+
+        print_result(result, written, time.perf_counter() - begin)
+
+
+@app.command()
+def trace(
+    source: Annotated[Path, typer.Argument(metavar="SCENE.toml", help="A scene file.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="DIR",
+            help="Write the result, a .vtu per step (path.pvd), the load-deflection picture, and the steps themselves "
+            "as they converge (steps/).",
+        ),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on after the last step in DIR.")] = False,
+    json: JsonFile = None,
+    plot: Pictures = False,
+    set_: Overrides = None,
+    debug: Debug = False,
+) -> None:
+    """Follow large deflections while the loads grow from zero to their full size."""
+    if not is_scene(source):
+        raise InputError(f"{source}: trace needs a scene file, .toml")
+    begin = time.perf_counter()
+    scene = scene_of(source, {}, set_ or [])
+    folder = output or (Path(f"{source.stem}-result") if plot else None)
+    if resume and folder is None:
+        raise InputError("--resume needs -o DIR, the folder of the path to go on with")
+    try:
+        result = _trace(scene, None if folder is None else folder / "steps", resume)
+    except (SolveError, Interrupted) as error:
+        _save_last(error.state, folder, plot, json)
+        raise
+    written = [] if folder is None else result.save(folder, plots=plot)
+    written += _write_json(result, json)
+    if json != "-":
+        from kshell.cli.terminal import print_result
+
+        print_result(result, written, time.perf_counter() - begin)
+
+
+@app.command()
+def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
+    """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
+    from kshell.cli.terminal import print_findings
+    from kshell.scene.checking import check_mesh, check_scene
+
+    if is_scene(source):
+        from kshell.scene.scene import Scene
+
+        scene = Scene.load(source, set_ or [])
+        found = check_scene(scene, scene.read_mesh())
+    else:
+        from kshell.mesh import read_mesh
+
+        no_overrides(source, set_ or [])
+        found = check_mesh(read_mesh(source))
+    print_findings(found)
+    for words in found.problems:
+        typer.echo(f"error: {words}", err=True)
+    if found.problems:
+        raise typer.Exit(2)
+
+
+@app.command()
+def verify(
+    quick: Annotated[bool, typer.Option("--quick", help="Each case once with each element.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write charts, table and an HTML page here.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Run the verification cases on this machine: value, reference, error and what is allowed of each."""
+    from kshell.verify import verify as run_all
+
+    if run_all(quick, out).failed:
+        raise typer.Exit(1)
+
+
+def _solve(scene: Scene, options: dict[str, Any]) -> Result:
+    import warnings
+
+    from kshell.analysis.solve import solve as solve_scene
+    from kshell.cli.terminal import Progress
+
+    with warnings.catch_warnings(), Progress().shown() as progress:
+        warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
+        warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
+        return solve_scene(scene, progress=progress, **options)
+
+
+def _trace(scene: Scene, folder: Path | None, resume: bool) -> Result:
+    import warnings
+
+    from kshell.analysis.solve import trace as trace_scene
+    from kshell.cli.terminal import Progress
+
+    with warnings.catch_warnings(), Progress().shown() as progress:
+        warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
+        warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
+        return trace_scene(scene, folder=folder, resume=resume, progress=progress)
+
+
+def _save_last(state: Any, folder: Path | None, plot: bool, json: str | None) -> None:
+    """The last good state of a path that was not completed, and where it is."""
+    from kshell.result.result import Result
+
+    if not isinstance(state, Result):
+        return
+    written = [] if folder is None else state.save(folder, plots=plot)
+    for path in written + _write_json(state, json):
+        print(f"written, up to the last good step: {path}", file=sys.stderr)
+
+
+def _write_json(result: Result, target: str | None) -> list[str]:
+    from kshell.result.saving import as_json, write_together
+
+    if target is None:
+        return []
+    text = as_json(result)
+    if target == "-":
+        sys.stdout.write(text)
+        return []
+    path = Path(target)
+    return write_together(path.parent, {path.name: lambda p: p.write_text(text, encoding="utf-8")})
+
+
+def _say(message: str, debug: bool = False) -> None:
+    if debug and sys.exc_info()[0] is not None:
+        traceback.print_exc()
+    print(f"error: {message}", file=sys.stderr)
+
+
+def _short_report(kind: type[BaseException], error: BaseException, _: TracebackType | None) -> None:
+    """For an error nobody foresaw: still one message, and how to see more. Python exits with code 1."""
+    _say(
+        f"{kind.__name__}: {error}. This is a fault of kshell: --debug shows the traceback, please report it"
+    )
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Run the command line and return its exit code."""
+    debug = "--debug" in arguments
+    if not debug:
+        sys.excepthook = _short_report
+    command = typer.main.get_command(app)
+    try:
+        code = command.main(list(arguments) or ["--help"], prog_name="kshell", standalone_mode=False) or 0
+    except ClickException as error:
+        words = error.format_message().rstrip().rstrip(".")
+        if words.startswith("No such command"):
+            words += f"; the commands are {', '.join(COMMANDS)}"
+        _say(f"{words}. See kshell --help", debug)
+        return 2
+    except KshellError as error:
+        _say(str(error), debug)
+        return 1 if isinstance(error, SolveError) else 2
+    except MemoryError:
+        _say("out of memory: take a coarser mesh, element morley, or solver multigrid", debug)
+        return 1
+    except Interrupted as error:
+        _say(f"{error}: files are written whole or not at all, --resume goes on with a path", debug)
+        return INTERRUPTED
+    except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED  # depending on its version typer raises or returns
+    if code == INTERRUPTED:
+        _say("interrupted: files are written whole or not at all", debug)
+    return int(code)
+
+
+def main() -> None:
+    """Entry point of the `kshell` command."""
+    sys.exit(run(sys.argv[1:]))

@@ -1,0 +1,86 @@
+"""From the command line to a scene: a scene file with overrides, or a mesh file described by options."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kshell.errors import InputError
+
+if TYPE_CHECKING:
+    from kshell.scene.scene import Scene
+
+
+def is_scene(source: Path) -> bool:
+    """Whether a path names a scene file."""
+    return source.suffix.lower() == ".toml"
+
+
+def no_overrides(source: Path, overrides: Sequence[str]) -> None:
+    """Refuse --set on a mesh file."""
+    if overrides:
+        raise InputError(
+            f"--set {overrides[0]}: {source} is a mesh, --set changes the values of a scene file"
+        )
+
+
+def scene_of(source: Path, plate: dict[str, Any], overrides: Sequence[str]) -> Scene:
+    """The scene of a file and the options that describe it."""
+    from kshell.scene.scene import Scene
+
+    given = {key: value for key, value in plate.items() if value not in (None, [])}
+    if is_scene(source):
+        if given:
+            option = next(iter(given)).replace("_", "-")
+            raise InputError(
+                f"--{option} describes the plate or shell of a mesh file, but {source} is a scene file: use --set, "
+                "for example --set thickness=0.02"
+            )
+        return Scene.load(source, overrides)
+    no_overrides(source, overrides)
+    return _scene_of_options(source, given)
+
+
+def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:
+    from kshell.material.materials import Isotropic
+    from kshell.scene.loads import Pressure
+    from kshell.scene.scene import Scene
+    from kshell.scene.supports import Clamped, SimplySupported, Symmetry
+
+    missing = [f"--{key}" for key in ("thickness", "E", "nu") if key not in given]
+    if missing:
+        raise InputError(
+            f"{', '.join(missing)} missing: a mesh file needs --thickness, --E and --nu, a scene file not"
+        )
+    kinds = {"clamped": Clamped, "supported": SimplySupported, "symmetry": Symmetry}
+    supports = [kind(name) for key, kind in kinds.items() for name in given.get(key, [])]
+    loads = [Pressure(_number_or_text(given["pressure"]))] if "pressure" in given else []
+    return Scene(
+        mesh=mesh,
+        thickness=_number_or_text(given["thickness"]),
+        material=Isotropic(E=given["E"], nu=given["nu"], density=given.get("density", 0.0)),
+        supports=supports,
+        loads=loads,
+        mesh_size=given.get("mesh_size"),
+        mesh_order=given.get("mesh_order"),
+        geometry=given.get("geometry"),
+        title=mesh.name,
+    )
+
+
+def _number_or_text(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def number(text: str | None) -> int | str | None:
+    """A whole number, or the text itself."""
+    return int(text) if text is not None and text.isdigit() else text
+
+
+def flag(text: str | None) -> bool | str | None:
+    """true and false as such, other text as it is."""
+    return {"true": True, "false": False}.get(text, text) if text is not None else None

@@ -1,0 +1,281 @@
+"""Still pictures of surfaces in 3D with matplotlib: fields on the deformed shape, supports and loads of a scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.draw.plot import FEW_TRIANGLES, colour_bar, colours, flat_triangles
+from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes
+from kshell.mesh import Mesh, Selection, select
+from kshell.result.vtu import at_nodes
+from kshell.scene.loads import Load
+from kshell.scene.places import on_words
+from kshell.scene.supports import Support
+from kshell.shell.frames import plane_tangents, tangent_frame
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kshell.result.result import Result
+    from kshell.scene.scene import Scene
+
+Floats = NDArray[np.float64]
+
+LARGEST_SHOWN = 0.1  # of the size of the shell: the largest displacement as drawn
+VIEW = {"elev": 28.0, "azim": -58.0}
+SIGNS = 12  # about this many arrows of one load
+MANY_FACES = 5_000
+LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
+
+
+def drawn_scale(result: Result) -> float:
+    """A round number by which displacements are drawn, so that the largest is seen but small."""
+    largest = float(np.linalg.norm(result.fields["displacement"], axis=1).max())
+    if largest == 0.0:
+        return 1.0
+    exact = LARGEST_SHOWN * result.mesh.size / largest
+    power = 10.0 ** np.floor(np.log10(exact))
+    return float(power * max(step for step in (1.0, 2.0, 5.0) if step * power <= exact * (1 + 1e-9)))
+
+
+def deformed_nodes(result: Result, scale: float) -> tuple[Floats, Floats]:
+    """Vertices and mid-edge nodes (n, 3), at rest and displaced by `scale` times the displacement."""
+    mesh = result.mesh
+    rest = mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints])
+    u = at_nodes(mesh, "displacement", result.fields["displacement"], result.fields, result.edge_fields)
+    return rest, rest + scale * u
+
+
+def surface_figure(result: Result, values: Floats, label: str) -> Figure:
+    """A field in colours on the deformed surface, with the outline at rest.
+
+    Parameters
+    ----------
+    values : (node,)
+        At vertices, then at mid-edge nodes.
+    label : str
+    """
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    mesh, scale = result.mesh, drawn_scale(result)
+    rest, nodes = deformed_nodes(result, scale)
+    _, triangles = flat_triangles(mesh)
+    low, high = float(values.min()), float(values.max())
+    style = colours(low, high)
+    norm = Normalize(style["vmin"], style["vmax"] if style["vmax"] > style["vmin"] else style["vmin"] + 1.0)
+    image = ScalarMappable(norm, colormaps[style["cmap"]])
+    figure, axes = _figure(result.title, np.concatenate([rest, nodes]))
+    corners, shades = _smoothed(nodes[triangles], values[triangles])
+    faces = image.to_rgba(shades)
+    faces[:, :3] *= _shade(corners)[:, None]
+    axes.add_collection3d(
+        Poly3DCollection(corners, facecolors=faces, edgecolors=faces, linewidths=0.2, rasterized=True)
+    )
+    if len(mesh.triangles) <= FEW_TRIANGLES:
+        lines = _edge_lines(mesh, nodes, np.arange(len(mesh.edges)))
+        axes.add_collection3d(Line3DCollection(lines, colors="black", linewidths=0.25, alpha=0.35))
+    outline = np.flatnonzero(mesh.edge_counts != 2)
+    if len(outline):
+        axes.add_collection3d(
+            Line3DCollection(_edge_lines(mesh, nodes, outline), colors="black", linewidths=1.0)
+        )
+        axes.add_collection3d(
+            Line3DCollection(_edge_lines(mesh, rest, outline), colors="0.5", linewidths=0.8, linestyles="--")
+        )
+    words = f"{label}, from {low:.4g} to {high:.4g}\ndisplacements drawn {scale:g} times as large, dashed: at rest"
+    colour_bar(figure, axes, image, words, "bottom", 45)
+    return figure
+
+
+def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
+    """A mesh in space with supports and loads, as `kshell.draw.scene_plot.plot_scene` draws flat ones.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In space.
+    scene : Scene or None
+        None draws the mesh alone.
+    title : str
+    """
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    nodes, triangles = flat_triangles(mesh)
+    figure, axes = _figure(title, nodes)
+    corners = nodes[triangles]
+    grey = np.repeat((0.92 * _shade(corners))[:, None], 3, axis=1)
+    faces = np.column_stack([grey, np.full(len(grey), 0.75)])
+    axes.add_collection3d(Poly3DCollection(corners, facecolors=faces, rasterized=True))
+    thin = float(np.clip(40.0 / np.sqrt(len(mesh.triangles)), 0.1, 0.6))
+    every = _edge_lines(mesh, nodes, np.arange(len(mesh.edges)))
+    axes.add_collection3d(Line3DCollection(every, colors="#9aa3ad", linewidths=thin))
+    outline = np.flatnonzero(mesh.edge_counts != 2)
+    if len(outline):
+        axes.add_collection3d(
+            Line3DCollection(_edge_lines(mesh, nodes, outline), colors="black", linewidths=1.0)
+        )
+    if scene is not None:
+        for support in scene.supports:
+            _draw_support(axes, mesh, nodes, support)
+        for load in scene.loads:
+            _draw_load(axes, mesh, nodes, load)
+        _draw_material_axes(axes, mesh, scene)
+        for name, point in scene.probes.items():
+            axes.plot(*np.array(point)[:, None], marker="+", color="black", markersize=9, linestyle="")
+            axes.text(*point, f"  {name}", fontsize=9)
+    signs = len(axes.get_legend_handles_labels()[0])
+    if signs:
+        figure.set_figheight(figure.get_figheight() + 0.22 * signs)
+        figure.legend(loc="outside lower center", ncols=1, fontsize=9, frameon=False)
+    return figure
+
+
+def _figure(title: str, nodes: Floats) -> tuple[Figure, Any]:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes: Any = figure.add_subplot(projection="3d", computed_zorder=False)
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    middle, size = 0.5 * (low + high), np.maximum(high - low, 0.15 * (high - low).max())
+    for setter, m, s in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
+        setter(m - 0.52 * s, m + 0.52 * s)
+    axes.set_box_aspect(size, zoom=1.0)
+    axes.view_init(**VIEW)
+    for setter, name in zip((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), "xyz", strict=True):
+        setter(name)
+    for axis, part in zip((axes.xaxis, axes.yaxis, axes.zaxis), size / size.max(), strict=True):
+        ticks = 5 if part > 0.3 else 1  # more of them would overlap on a short axis
+        axis.get_major_locator().set_params(nbins=ticks, min_n_ticks=1)
+    if title:
+        axes.set_title(title, wrap=True)
+    return figure, axes
+
+
+def _smoothed(corners: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Triangles cut into four until there are many, so that one colour for each looks smooth: corners, values."""
+    while 4 * len(corners) <= MANY_FACES:
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
+        parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        corners = np.concatenate([np.stack(part, axis=1) for part in parts])
+        u, v, w = values.T
+        uv, vw, wu = 0.5 * (u + v), 0.5 * (v + w), 0.5 * (w + u)
+        values = np.concatenate(
+            [np.stack(part, axis=1) for part in ((u, uv, wu), (uv, v, vw), (wu, vw, w), (uv, vw, wu))]
+        )
+    return corners, values.mean(axis=1)
+
+
+def _shade(corners: Floats) -> Floats:
+    """Brightness (triangle,) of both sides under a light from above."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=1)
+    return 0.72 + 0.28 * np.abs(normal @ LIGHT) / np.where(length > 0, length, 1.0)
+
+
+def _edge_lines(mesh: Mesh, nodes: Floats, edges: NDArray[np.integer]) -> Floats:
+    """(edge, 2 or 3, 3) polylines through vertices and mid-edge nodes."""
+    ends = nodes[mesh.edges[edges]]
+    if mesh.midpoints is None:
+        return ends
+    return np.stack([ends[:, 0], nodes[len(mesh.points) + edges], ends[:, 1]], axis=1)
+
+
+def _draw_support(axes: Any, mesh: Mesh, nodes: Floats, support: Support) -> None:
+    colour = SUPPORT_COLOURS[support.kind]
+    label = f"{support.kind.replace('_', ' ')} {on_words(support.on)}"
+    if support.kind in ("fixed", "elastic"):
+        label += f" ({support.freedoms})"
+    _mark(axes, mesh, nodes, select(mesh, support.on, what=str(support)), colour, label)
+
+
+def _mark(axes: Any, mesh: Mesh, nodes: Floats, chosen: Selection, colour: str, label: str) -> None:
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+    if chosen.dimension == 0:
+        axes.plot(
+            *mesh.points[chosen.members].T,
+            marker="^",
+            color=colour,
+            markersize=8,
+            linestyle="",
+            label=label,
+            zorder=6,
+        )
+    elif chosen.dimension == 1:
+        lines = _edge_lines(mesh, nodes, chosen.members)
+        axes.add_collection3d(Line3DCollection(lines, colors=colour, linewidths=3.0, zorder=5))
+        axes.plot([], [], [], color=colour, linewidth=3, label=label)
+    else:
+        corners = mesh.points[mesh.triangles[chosen.members]]
+        axes.add_collection3d(Poly3DCollection(corners, facecolors=colour, alpha=0.25, zorder=4))
+        axes.plot([], [], [], marker="s", markersize=10, alpha=0.4, color=colour, linestyle="", label=label)
+
+
+def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load) -> None:
+    label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
+    chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
+    if load.on is not None:
+        chosen = select(mesh, load.on, what=str(load))
+    if load.kind in ("temperature", "initial_curvature", "edge_moment"):
+        _mark(axes, mesh, nodes, chosen, LOAD_COLOUR, label)
+        return
+    points, normals = _places(mesh, nodes, chosen)
+    values = load.at(points)
+    vector = values if values.ndim == 2 else values[:, None] * normals
+    most = np.linalg.norm(vector, axis=1).max()
+    if most == 0.0:
+        axes.plot([], [], [], linestyle="", label=f"{label} (zero)")
+        return
+    arrow = 0.12 * mesh.size * vector / most
+    heads = (1.0, 0.75) if load.kind == "point_moment" else (1.0,)
+    for reach in heads:  # a moment has two heads
+        axes.quiver(
+            *points.T, *(reach * arrow).T, color=LOAD_COLOUR, linewidths=1.4, arrow_length_ratio=0.3, zorder=7
+        )
+    axes.plot([], [], [], color=LOAD_COLOUR, marker=">", label=label)
+
+
+def _places(mesh: Mesh, nodes: Floats, chosen: Selection) -> tuple[Floats, Floats]:
+    """(n, 3) places for arrows, spread evenly, and unit normals of the surface there."""
+    if chosen.dimension == 0:
+        points = mesh.points[chosen.members]
+        return points, np.zeros_like(points)
+    if chosen.dimension == 1:
+        every = max(1, len(chosen.members) // SIGNS)
+        lines = _edge_lines(mesh, nodes, chosen.members[::every])
+        points = lines[:, 1] if lines.shape[1] == 3 else lines.mean(axis=1)
+        return points, np.zeros_like(points)
+    corners = mesh.points[mesh.triangles[chosen.members]]
+    centres = corners.mean(axis=1)
+    # the triangles nearest to the middles of the boxes of a grid
+    cell = mesh.size / 7
+    boxes = np.floor((centres - mesh.points.min(axis=0)) / cell).astype(np.int64)
+    middle = mesh.points.min(axis=0) + (boxes + 0.5) * cell
+    order = np.argsort(np.linalg.norm(centres - middle, axis=1), kind="stable")
+    _, first = np.unique(boxes[order], axis=0, return_index=True)
+    some = order[first]
+    normal = np.cross(corners[some, 1] - corners[some, 0], corners[some, 2] - corners[some, 0])
+    return centres[some], normal / np.linalg.norm(normal, axis=1, keepdims=True)
+
+
+def _draw_material_axes(axes: Any, mesh: Mesh, scene: Scene) -> None:
+    """Axis 1 of every direction-dependent material, as lines on the surface."""
+    every = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
+    points, normals = _places(mesh, mesh.points, every)
+    tangents = np.stack(plane_tangents(normals.T))
+    e1, e2, _ = tangent_frame(tangents, None if scene.direction is None else np.array(scene.direction))
+    for label, angle, style in material_axes(scene):
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        half = 0.03 * mesh.size * (c * e1 + s * e2).T
+        for start, end in zip(points - half, points + half, strict=True):
+            axes.plot(*np.stack([start, end]).T, color="#e67e22", linewidth=2.0, linestyle=style, zorder=6)
+        axes.plot([], [], [], color="#e67e22", linewidth=2.0, linestyle=style, label=label)

@@ -1,0 +1,86 @@
+"""Results in 3D with PyVista, the extra "view": deformed surfaces with fields, to be turned with the mouse."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kshell.draw.plot import colours, picture_values, pictures
+from kshell.draw.surface_plot import deformed_nodes, drawn_scale
+from kshell.errors import InputError
+from kshell.values.naming import listing, suggestion
+
+if TYPE_CHECKING:
+    from kshell.result.result import Result
+
+QUADRATIC_TRIANGLE, TRIANGLE = 22, 5  # numbers of the cells of VTK
+
+
+def pyvista() -> Any:
+    """The module PyVista.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        import pyvista as module
+    except ImportError as error:
+        raise InputError(
+            f"3D views need PyVista ({error}): install it with `pip install kshell[view]`, or use result.plot(...) for "
+            "a still picture"
+        ) from None
+    return module
+
+
+def surface_grid(result: Result, scale: float) -> Any:
+    """A pyvista.UnstructuredGrid of the deformed surface, with curved triangles where the mesh has them."""
+    mesh = result.mesh
+    _, nodes = deformed_nodes(result, scale)
+    cells, kind = mesh.triangles, TRIANGLE
+    if mesh.midpoints is not None:
+        cells, kind = (
+            np.concatenate([cells, mesh.triangle_edges + len(mesh.points)], axis=1),
+            QUADRATIC_TRIANGLE,
+        )
+    count = cells.shape[1]
+    listed = np.concatenate([np.full((len(cells), 1), count), cells], axis=1).ravel()
+    return pyvista().UnstructuredGrid(listed, np.full(len(cells), kind, dtype=np.uint8), nodes)
+
+
+def show(result: Result, what: str, scale: float | None, file: str | None) -> Any:
+    """See `Result.show`."""
+    known = [name for name in pictures(result) if name != "mesh"]
+    if what not in known:
+        raise InputError(f'no view "{what}": {suggestion(what, known)}the views are {listing(known)}')
+    if scale is None:
+        scale = drawn_scale(result)
+    module = pyvista()
+    values, label = picture_values(result, what)
+    grid = surface_grid(result, scale)
+    grid.point_data[label] = values
+    style = colours(float(values.min()), float(values.max()))
+    plotter = module.Plotter(off_screen=file is not None, window_size=(1200, 900))
+    surface = grid.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
+    plotter.add_mesh(
+        surface,
+        scalars=label,
+        cmap=style["cmap"],
+        clim=(style["vmin"], style["vmax"]),
+        smooth_shading=True,
+        ambient=0.35,
+        scalar_bar_args={"title_font_size": 18, "label_font_size": 15, "position_y": 0.03, "height": 0.1},
+    )
+    rest = surface_grid(result, 0.0).extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
+    plotter.add_mesh(rest.extract_feature_edges(manifold_edges=False), color="grey", line_width=1)
+    plotter.add_text(f"{result.title}\ndisplacements {scale:g} times as large", font_size=10)
+    plotter.show_axes()
+    plotter.reset_camera()
+    plotter.camera.zoom(0.8)  # room for the colour bar
+    if file is not None:
+        plotter.screenshot(str(file))
+    else:
+        plotter.show(auto_close=False)
+    return plotter

@@ -1,0 +1,151 @@
+"""Converged steps on disk, each whole, from which a path goes on as if it had never stopped."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from kshell.equilibrium.load_steps import Crossing, March
+from kshell.equilibrium.path import Arc, Critical
+from kshell.equilibrium.problem import State
+from kshell.errors import InputError
+from kshell.shell.koiter.edges import Directors
+
+Saved = Iterator[tuple[March, Critical | None]]
+
+
+class Checkpoints:
+    """Files step-0001.npz, step-0002.npz, ... in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if needed.
+    fingerprint : str
+        Of the problem; steps of another problem are refused.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be made.
+    """
+
+    def __init__(self, folder: Path, fingerprint: str) -> None:
+        self.folder, self.fingerprint = folder, fingerprint
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{folder}: cannot be made ({error.strerror}): give another folder") from None
+
+    def _path(self, number: int) -> Path:
+        return self.folder / f"step-{number:04d}.npz"
+
+    def clear(self) -> Saved:
+        """Remove the steps of an earlier path; there is nothing to go on from."""
+        for path in self.folder.glob("step-*.npz*"):
+            path.unlink()
+        return iter(())
+
+    def write(self, number: int, march: March, critical: Critical | None) -> None:
+        """Write a step: it appears under its name only when it is complete.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written; earlier steps are untouched.
+        """
+        content: dict[str, Any] = {"fingerprint": self.fingerprint, **_state("", march.state)}
+        numbers = [march.size, march.moved, march.rate, march.attempts, march.jumps, march.branched]
+        content["march"] = np.array(numbers)
+        if march.crossing is not None:
+            c = march.crossing
+            content["crossing"] = np.array([c.steps, c.factor, c.negative, c.arc.length, c.arc.first])
+            if c.arc.moved is not None:
+                content["arc_moved"] = c.arc.moved
+        if critical is not None:
+            content |= {"critical_kind": critical.kind, "critical_mode": critical.mode}
+            content["critical_then"] = critical.then
+            content |= _state("critical_", critical.state)
+        path = self._path(number)
+        unfinished = path.with_suffix(".npz-unfinished")
+        try:
+            with unfinished.open("wb") as file:
+                np.savez(file, **content)
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(unfinished, path)
+        except OSError as error:
+            raise InputError(f"{path}: cannot be written ({error.strerror}): make room and resume") from None
+
+    def read(self, directors: bool) -> Saved:
+        """The steps in the folder, in order, up to the first one missing.
+
+        Parameters
+        ----------
+        directors : bool
+            Whether states have them.
+
+        Raises
+        ------
+        InputError
+            If a file is damaged or of another problem.
+        """
+        number = 1
+        while (path := self._path(number)).exists():
+            try:
+                with np.load(path, allow_pickle=False) as file:
+                    content = {name: file[name] for name in file.files}
+            except (OSError, ValueError, BadZipFile) as error:
+                raise InputError(f"{path}: is damaged ({error}): remove it and resume") from None
+            if str(content.get("fingerprint")) != self.fingerprint:
+                raise InputError(
+                    f"{path}: is a step of another problem: mesh, supports, loads, material or steps differ; give "
+                    "another folder, or leave --resume out to start anew"
+                )
+            yield _march(content, directors)
+            number += 1
+
+
+def _state(prefix: str, state: State) -> dict[str, Any]:
+    out: dict[str, Any] = {
+        f"{prefix}x": state.x,
+        f"{prefix}state": np.array([state.factor, state.iterations, state.negative]),
+        f"{prefix}turned": state.turned,
+    }
+    if isinstance(state.memory, Directors):
+        for name in ("vectors", "base", "angle"):
+            out[f"{prefix}{name}"] = getattr(state.memory, name)
+    return out
+
+
+def _read_state(prefix: str, content: dict[str, Any], directors: bool) -> State:
+    factor, iterations, negative = content[f"{prefix}state"]
+    memory = None
+    if directors:
+        memory = Directors(*(content[f"{prefix}{name}"] for name in ("vectors", "base", "angle")))
+    x, turned = content[f"{prefix}x"], content[f"{prefix}turned"]
+    return State(float(factor), x, memory, int(iterations), int(negative), turned)
+
+
+def _march(content: dict[str, Any], directors: bool) -> tuple[March, Critical | None]:
+    size, moved, rate, attempts, jumps, branched = content["march"]
+    crossing = None
+    if "crossing" in content:
+        steps, factor, negative, length, first = content["crossing"]
+        arc = Arc(float(length), float(first), content.get("arc_moved"))
+        crossing = Crossing(arc, int(steps), float(factor), int(negative))
+    state = _read_state("", content, directors)
+    march = March(
+        state, float(size), float(moved), float(rate), int(attempts), int(jumps), bool(branched), crossing
+    )
+    if "critical_kind" not in content:
+        return march, None
+    where = _read_state("critical_", content, directors)
+    kind, mode = str(content["critical_kind"]), content["critical_mode"]
+    then: Any = str(content["critical_then"])
+    return march, Critical(kind, where, mode, then)

@@ -1,0 +1,221 @@
+"""An energy that is a quadratic function of strains: value, gradient, Hessian, and its linear limit.
+
+Both discretisations of the Koiter energy have the form  sum over triangles of 1/2 s . K s  with strains s
+that are smooth functions of the unknowns. Then, with the stress sigma = K s,
+
+    gradient = s'^T sigma,    Hessian = s'^T K s' + sum_r sigma_r s_r''.
+
+This module knows nothing else about shells; a discretisation supplies s, s' and sum_r sigma_r s_r''.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.equilibrium.sparsity import Sparsity
+from kshell.solvers.dissection import dissected
+
+Floats = NDArray[np.float64]
+
+
+class Linear(NamedTuple):
+    """Strains of a state and their first derivative."""
+
+    strain: Floats  # (triangle, r), less the initial ones
+    gradients: list[Floats]  # s' of each block: (triangle, r, n)
+
+    def after(self, step: Floats, unknowns: NDArray[np.int32], blocks: list[slice]) -> Floats:
+        """s + s' step: (triangle, r)."""
+        result = self.strain.copy()
+        for triangles, gradient in zip(blocks, self.gradients, strict=True):
+            result[triangles] += np.matmul(gradient, step[unknowns[triangles], None])[:, :, 0]
+        return result
+
+
+class Energy(NamedTuple):
+    """Energy of a state, with as many derivatives as were asked for."""
+
+    value: float
+    gradient: Any = None  # (unknowns,), None if not asked for
+    hessian: Any = None  # sparse, None if not asked for
+    linear: Any = None  # Linear, comes with the gradient
+
+
+class StrainEnergy(ABC):
+    """Energy assembled from triangles.
+
+    Attributes
+    ----------
+    unknowns : int
+    triangle_unknowns : (triangle, n) int array
+    initial : (triangle, r)
+        Strains at which the triangles are free of stress.
+    blocks : list of slice
+        Triangles worked on at a time; they bound the memory of intermediate arrays.
+    rest : object
+        What the discretisation keeps of a state besides the unknowns (directors), in the rest state.
+    """
+
+    unknowns: int
+    triangle_unknowns: NDArray[np.int32]
+    initial: Floats
+    blocks: list[slice]
+    rest: Any
+
+    @abstractmethod
+    def _state(self, x: Floats, memory: Any, triangles: slice) -> Any:
+        """Kinematics of a block, with an attribute `strain` (triangle, r), initial strains not subtracted."""
+
+    @abstractmethod
+    def _gradient(self, state: Any, triangles: slice) -> Floats:
+        """s': (triangle, r, n)."""
+
+    @abstractmethod
+    def _geometric(self, state: Any, stress: Floats, triangles: slice) -> Floats:
+        """sum_r stress_r s_r'' in the leading unknowns of the triangle, on which s'' depends: (triangle, m, m)."""
+
+    @abstractmethod
+    def _apply(self, triangles: slice, columns: Floats) -> Floats:
+        """K times columns (triangle, r, k)."""
+
+    @abstractmethod
+    def translation_weights(self) -> Floats:
+        """(unknowns,) w such that x . (w x) is the mean square translation of the nodes."""
+
+    @property
+    @abstractmethod
+    def sparsity(self) -> Sparsity:
+        """Pattern of all matrices; found once."""
+
+    @property
+    @abstractmethod
+    def centres(self) -> Floats:
+        """(triangle, d) centres of the triangles."""
+
+    @cached_property
+    def elimination(self) -> NDArray[np.int64]:
+        """(unknowns,) place of each unknown in an order of elimination with little fill; within a group as numbered."""
+        sparsity = self.sparsity
+        place = dissected(self.centres, sparsity.groups, len(sparsity.sizes))
+        order = np.argsort(np.repeat(place, sparsity.sizes), kind="stable")
+        result = np.empty(self.unknowns, dtype=np.int64)
+        result[order] = np.arange(self.unknowns)
+        return result
+
+    def strain(self, x: Floats, memory: Any = None) -> Floats:
+        """(triangle, r) strains s of a state, less the initial ones."""
+        memory = self.rest if memory is None else memory
+        return np.concatenate([self._state(x, memory, t).strain for t in self.blocks]) - self.initial
+
+    def stress(self, strain: Floats) -> Floats:
+        """K s: (triangle, r)."""
+        return np.concatenate([self._apply(t, strain[t, :, None])[:, :, 0] for t in self.blocks])
+
+    def energy(
+        self, x: Floats, derivatives: int = 0, memory: Any = None, stress: Floats | None = None
+    ) -> Energy:
+        """Energy of a state of finite deformation.
+
+        Parameters
+        ----------
+        x : (unknowns,)
+        derivatives : 0, 1 or 2
+        memory : object, optional
+            Directors of the state; those of the rest state if absent.
+        stress : (triangle, r), optional
+            Stress of the second derivative instead of that of the state: the mixed iteration of Magisano,
+            Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.
+        """
+        memory = self.rest if memory is None else memory
+        value = 0.0
+        forces = np.zeros(self.triangle_unknowns.shape)
+        room = self.sparsity.empty() if derivatives > 1 else None
+        linear = Linear(np.empty_like(self.initial), [])
+        for triangles in self.blocks:
+            state = self._state(x, memory, triangles)
+            strain = state.strain - self.initial[triangles]
+            mine = self._apply(triangles, strain[:, :, None])[:, :, 0]
+            value += 0.5 * float(np.sum(strain * mine))
+            if derivatives == 0:
+                continue
+            gradient = self._gradient(state, triangles)
+            forces[triangles] = np.matmul(mine[:, None, :], gradient)[:, 0]
+            if room is not None:
+                matrices = self._product(gradient, triangles)
+                curved = self._geometric(state, mine if stress is None else stress[triangles], triangles)
+                matrices[:, : curved.shape[1], : curved.shape[1]] += curved
+                self.sparsity.put(room, triangles, matrices)
+            linear.strain[triangles] = strain
+            linear.gradients.append(gradient)
+        if derivatives == 0:
+            return Energy(value)
+        hessian = None if room is None else self.sparsity.matrix(room)
+        return Energy(value, self._gather(forces), hessian, linear)
+
+    def extrapolated_stress(self, linear: Linear, step: Floats) -> Floats:
+        """K (s + s' step): the stress after a step if the strains were linear. (triangle, r)."""
+        return self.stress(linear.after(step, self.triangle_unknowns, self.blocks))
+
+    def forces(self, linear: Linear, stress: Floats) -> Floats:
+        """s'^T stress: (unknowns,) forces in equilibrium with a stress (triangle, r)."""
+        forces = np.empty(self.triangle_unknowns.shape)
+        for triangles, gradient in zip(self.blocks, linear.gradients, strict=True):
+            forces[triangles] = np.matmul(stress[triangles, None, :], gradient)[:, 0]
+        return self._gather(forces)
+
+    @cached_property
+    def at_rest(self) -> Linear:
+        """No strain, and its derivative at rest: the linear strains."""
+        x = np.zeros(self.unknowns)
+        gradients = [self._gradient(self._state(x, self.rest, t), t) for t in self.blocks]
+        return Linear(np.zeros_like(self.initial), gradients)
+
+    def linear_stiffness(self) -> sp.csr_matrix:
+        """Second derivative of the energy at rest, without initial strains."""
+        room = self.sparsity.empty()
+        for triangles, gradient in zip(self.blocks, self.at_rest.gradients, strict=True):
+            self.sparsity.put(room, triangles, self._product(gradient, triangles))
+        return self.sparsity.matrix(room)
+
+    def linear_strain(self, x: Floats) -> Floats:
+        """(triangle, r) strains to first order, less the initial ones."""
+        return self.at_rest.after(x, self.triangle_unknowns, self.blocks) - self.initial
+
+    def linear_forces(self, stress: Floats) -> Floats:
+        """Forces on the unknowns (unknowns,) in equilibrium with a stress, at rest.
+
+        With the stress of `linear_strain` this is the stiffness times x with far less rounding in thin
+        shells: strains are formed before they are multiplied by the large membrane stiffness.
+        """
+        return self.forces(self.at_rest, stress)
+
+    def geometric_stiffness(self, stress: Floats) -> sp.csr_matrix:
+        """sum_r stress_r s_r'' at rest (for buckling)."""
+        x = np.zeros(self.unknowns)
+        room = self.sparsity.empty()
+        count = self.triangle_unknowns.shape[1]
+        for triangles in self.blocks:
+            curved = self._geometric(self._state(x, self.rest, triangles), stress[triangles], triangles)
+            matrices = np.zeros((len(curved), count, count))
+            matrices[:, : curved.shape[1], : curved.shape[1]] = curved
+            self.sparsity.put(room, triangles, matrices)
+        return self.sparsity.matrix(room)
+
+    def _product(self, gradient: Floats, triangles: slice) -> Floats:
+        return np.matmul(gradient.swapaxes(1, 2), self._apply(triangles, gradient))
+
+    def _gather(self, forces: Floats) -> Floats:
+        """Sum of forces (triangle, n) on each unknown."""
+        where = self.triangle_unknowns.ravel()
+        return np.asarray(np.bincount(where, weights=forces.ravel(), minlength=self.unknowns), dtype=float)
+
+
+def in_blocks(count: int, size: int) -> list[slice]:
+    """Slices of at most `size` that cover `count` triangles."""
+    return [slice(i, min(i + size, count)) for i in range(0, count, size)]

@@ -1,0 +1,147 @@
+"""Small deflections: one factorisation, refined with forces computed from strains.
+
+In a thin shell the stiffness matrix holds membrane entries (R / t)^2 times larger than the bending that
+resists inextensional motion, and rounding of the matrix alone costs that many digits. Forces computed
+triangle by triangle from strains do not suffer from it, so refinement with them recovers the digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.equilibrium.energy import StrainEnergy
+from kshell.equilibrium.factor import Factoriser
+from kshell.errors import InputError, SolveError
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.supports import Reduction
+
+Floats = NDArray[np.float64]
+
+MOST_REFINEMENTS = 12
+# relative energy of the last correction; the error of the solution is about its square root smaller
+FINISHED = 1e-20
+HOPELESS = 1e-4
+# energy of a motion formed from strains, against that of its unknowns one by one, that is rounding squared
+MECHANISM = 1e-25
+HOLD = "add supports there (a strip with a hinge between simply supported ends is such a mechanism)"
+
+
+class LinearSolution(NamedTuple):
+    """Answer of a linear solve.
+
+    Attributes
+    ----------
+    x : (unknowns,)
+    forces : (unknowns,)
+        Internal forces and moments less the loads: what the supports exert.
+    stress : (triangle, 2 r)
+    corrections : tuple of float
+        Relative energy norm of each correction, the first that of the solution itself, 1.
+    """
+
+    x: Floats
+    forces: Floats
+    stress: Floats
+    corrections: tuple[float, ...]
+
+
+def solve_linear(
+    koiter: StrainEnergy, load: Floats, reduction: Reduction, springs: sp.spmatrix | None = None
+) -> LinearSolution:
+    """Displacements under a load.
+
+    Parameters
+    ----------
+    load : (unknowns,)
+    reduction : Reduction
+        From `Supports.reduction`.
+    springs : (unknowns, unknowns) sparse, optional
+        Stiffness of elastic supports.
+
+    Raises
+    ------
+    InputError
+        If the structure can move freely.
+    SolveError
+        If rounding leaves no digit.
+    """
+    stiffness = koiter.linear_stiffness()
+    if springs is not None:
+        stiffness = stiffness + springs
+    basis = reduction.basis
+    # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
+    solve = Factoriser(reduction, koiter).factorise(stiffness).solve
+
+    if basis.shape[1]:
+        _require_stiff(koiter, stiffness, springs, _softest(stiffness, basis, solve))
+    x = reduction.given.copy()
+    # against what initial strains would store in a blocked shell, too: it may not move at all
+    energy = float(np.sum(koiter.initial * koiter.stress(koiter.initial)))
+    corrections: list[float] = []
+    for _ in range(MOST_REFINEMENTS):
+        stress = koiter.stress(koiter.linear_strain(x))
+        forces = koiter.linear_forces(stress) - load
+        if springs is not None:
+            forces += springs @ x
+        residual = -(basis.T @ forces)
+        step = solve(residual)
+        gain = abs(float(residual @ step))
+        if not np.isfinite(gain):
+            raise SolveError("the shell can move freely: the solution is not finite")
+        energy = max(energy, gain)
+        if energy == 0.0 or gain <= FINISHED * energy:
+            break
+        if len(corrections) > 1 and np.sqrt(gain / energy) > 0.5 * corrections[-1]:
+            break  # rounding: no further digit
+        corrections.append(float(np.sqrt(gain / energy)))
+        x = x + basis @ step
+    if len(corrections) > 1 and corrections[-1] > HOPELESS:
+        motion = basis @ step
+        _require_stiff(koiter, stiffness, springs, motion)
+        raise SolveError(
+            f"rounding leaves a relative error of {corrections[-1]:.1e} in the energy norm: the shell is too thin "
+            "for the mesh, the smallest triangles are too small, or it hangs on too little",
+            state=x,
+        )
+    return LinearSolution(x, forces, stress, tuple(corrections))
+
+
+def _softest(stiffness: sp.spmatrix, basis: sp.spmatrix, solve: Callable[[Floats], Floats]) -> Floats:
+    """(unknowns,) the softest motion, by one step of inverse iteration."""
+    diagonal = stiffness.diagonal()
+    start = np.random.default_rng(1).standard_normal(len(diagonal)) * np.sqrt(np.abs(diagonal))
+    motion: Floats = basis @ solve(basis.T @ start)
+    return motion
+
+
+def _require_stiff(
+    koiter: StrainEnergy, stiffness: sp.spmatrix, springs: sp.spmatrix | None, motion: Floats
+) -> None:
+    """Refuse a mechanism, whether the load drives it or not.
+
+    The energy of the motion is formed from its strains: that of a mechanism is rounding squared, that of the
+    thinnest shell is not.
+    """
+    if not np.isfinite(motion).all():
+        raise InputError(f"the shell can move freely: its stiffness is singular; {HOLD}")
+    motion = motion / np.abs(motion).max()
+    strain = koiter.linear_strain(motion) + koiter.initial
+    energy = float(np.sum(strain * koiter.stress(strain)))
+    if springs is not None:
+        energy += float(motion @ (springs @ motion))
+    if energy <= MECHANISM * float(motion @ (stiffness.diagonal() * motion)):
+        raise InputError(f"the shell can move freely{_where(koiter, motion)}: {HOLD}")
+
+
+def _where(energy: StrainEnergy, motion: Floats) -> str:
+    """Place that moves most, in words, where the discretisation has nodes."""
+    if not isinstance(energy, Koiter):
+        return ""
+    u, _ = energy.surface.split(motion)
+    x, y, z = energy.surface.nodes[np.argmax(np.linalg.norm(u, axis=1))]
+    return f" (it moves most near ({x:.6g}, {y:.6g}, {z:.6g}))"

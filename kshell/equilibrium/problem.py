@@ -1,0 +1,159 @@
+"""One equilibrium of a shell under large deflections: states, external forces, and the factorised tangent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.equilibrium.energy import Energy, StrainEnergy
+from kshell.equilibrium.factor import Factoriser
+from kshell.equilibrium.sparsity import Added
+from kshell.shell.koiter.edges import Directors, turn_directors
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.supports import Reduction
+from kshell.solvers.repeated import Factor
+
+Floats = NDArray[np.float64]
+
+# part of the largest entry of the tangent of a load that may differ from the entry across the diagonal
+SYMMETRIC = 1e-10
+
+# x -> force (unknowns,) and its derivative (unknowns, unknowns), at the full load
+Follower = Callable[[Floats], tuple[Floats, sp.csr_matrix]]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A shell with its supports and loads, which all grow with one factor.
+
+    Attributes
+    ----------
+    energy : StrainEnergy
+    reduction : Reduction
+        Its prescribed motion is that at the factor 1.
+    load : (unknowns,)
+        Dead load at the factor 1.
+    follower : callable, optional
+        Load that turns with the surface.
+    springs : sparse, optional
+        Stiffness of elastic supports.
+    constant : (unknowns,), optional
+        Dead load that does not grow.
+    initial : (triangle, r), optional
+        Strains without stress at the factor 1.
+    """
+
+    energy: StrainEnergy
+    reduction: Reduction
+    load: Floats
+    follower: Follower | None = None
+    springs: sp.spmatrix | None = None
+    constant: Floats | None = None
+    initial: Floats | None = None
+
+    def evaluate(
+        self, x: Floats, factor: float, derivatives: int, memory: Any, stress: Floats | None = None
+    ) -> tuple[Energy, Floats, Floats]:
+        """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor)."""
+        growth = self.load
+        if self.initial is not None:
+            self.energy.initial = factor * self.initial
+        energy = self.energy.energy(x, derivatives, memory, stress)
+        tangent = energy.hessian
+        if self.follower is not None:
+            force, stiffness = self.follower(x)
+            growth = growth + force
+            if tangent is not None:
+                tangent = self._load_added.to(tangent, stiffness, -factor)
+        residual = factor * growth - energy.gradient  # which holds the forces of initial strains already
+        if self.initial is not None and energy.linear is not None:
+            growth = growth + self.energy.forces(energy.linear, self.energy.stress(self.initial))
+        if self.constant is not None:
+            residual = residual + self.constant
+        if self.springs is not None:
+            residual = residual - self.springs @ x
+            tangent = None if tangent is None else self._springs_added.to(tangent, self.springs.tocsr())
+        return energy._replace(hessian=tangent), residual, growth
+
+    @cached_property
+    def _load_added(self) -> Added:
+        return Added()
+
+    @cached_property
+    def _springs_added(self) -> Added:
+        return Added()
+
+    @cached_property
+    def _factoriser(self) -> Factoriser:
+        return Factoriser(self.reduction, self.energy, symmetric=self._symmetric())
+
+    def _symmetric(self) -> bool:
+        """Whether the tangent is symmetric in the free motions: follower loads may not be, at free edges.
+
+        That does not depend on the state, so one at random tells.
+        """
+        if self.follower is None:
+            return True
+        basis = self.reduction.basis
+        motion = np.random.default_rng(0).standard_normal(basis.shape[1])
+        part = self.reduction.reduce(self.follower(basis @ motion)[1])
+        return bool(abs(part - part.T).max() <= SYMMETRIC * abs(part).max())
+
+    def factorise(self, tangent: sp.csr_matrix, definite: bool = True) -> Factor:
+        """The tangent in the free unknowns, factorised; serves until the next one. See `Factoriser.factorise`."""
+        return self._factoriser.factorise(tangent, definite)
+
+    def pulled(self, spring: Floats, to: Floats) -> Problem:
+        """The same with springs that pull the unknowns to a place, (unknowns,) each."""
+        springs, constant = sp.diags(spring, format="csr"), spring * to
+        if self.springs is not None:
+            springs = (self.springs + springs).tocsr()
+        if self.constant is not None:
+            constant = self.constant + constant
+        out = replace(self, springs=springs, constant=constant)
+        out.__dict__["_factoriser"] = self._factoriser
+        return out
+
+    def start(self) -> State:
+        """The rest state."""
+        return State(0.0, np.zeros(self.energy.unknowns), self.energy.rest)
+
+    def settle(self, state: State) -> State:
+        """The same state with directors turned."""
+        if not isinstance(self.energy, Koiter):
+            return state
+        x, memory = turn_directors(self.energy.surface, state.memory, state.x, self.reduction.rotations)
+        return replace(state, x=x, memory=memory, turned=state.turned + (state.x - x))
+
+
+@dataclass(frozen=True)
+class State:
+    """A state in equilibrium.
+
+    Attributes
+    ----------
+    factor : float
+        Load factor.
+    x : (unknowns,)
+        Rotations count from the last turn of the directors.
+    memory : Directors or ()
+    iterations : int
+        Newton iterations spent on the step to it.
+    negative : int
+        Negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable.
+    turned : (unknowns,) or 0
+        Rotations that the directors took up, all in all: x + turned is the motion that loads work on.
+    """
+
+    factor: float
+    x: Floats
+    memory: Directors | Any
+    iterations: int = 0
+    negative: int = 0
+    turned: Floats | float = 0.0

@@ -1,0 +1,1 @@
+"""From elastic constants to the stiffness of a cross-section."""

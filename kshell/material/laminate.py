@@ -1,0 +1,119 @@
+"""Laminates: layers of material stacked from bottom to top.
+
+Symbols (Reddy 2004, section 3.3)
+-------
+z           height above the middle of the stack; layer k lies between z_k and z_k+1
+Q_k         plane-stress stiffness of layer k in global axes
+A, B, D     sums over layers of Q_k times the integrals of 1, z, z^2
+N, M        forces and moments per length: N = A e - B w'', M = B e - D w'', w'' = (w_xx, w_yy, 2 w_xy)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.material.materials import rotated
+from kshell.values.validation import Number, described
+
+Floats = NDArray[np.float64]
+
+# |B| / sqrt(|A| |D|) that rounding of layer thicknesses may leave in a symmetric stack
+NEGLIGIBLE_COUPLING = 1e-9
+
+
+@described("layer")
+class Layer:
+    """One layer of a laminate.
+
+    Attributes
+    ----------
+    material : Isotropic, Orthotropic or Anisotropic
+    thickness : float
+        > 0.
+    angle : float
+        Degrees by which the material is turned about z, counter-clockwise, on top of its own angle.
+    """
+
+    material: Any
+    thickness: Number
+    angle: Number = 0.0
+
+    def __post_init__(self) -> None:
+        if not hasattr(self.material, "plane_stress"):
+            raise InputError(
+                f"layer: material = {self.material!r} is not a material: give ks.Isotropic(...) or alike"
+            )
+        if not self.thickness > 0.0:
+            raise InputError(f"layer: thickness = {self.thickness:g} must be > 0")
+
+    def plane_stress(self) -> Floats:
+        """(3, 3) stiffness in global axes."""
+        return rotated(self.material.plane_stress(), self.angle)
+
+
+@dataclass(frozen=True)
+class Laminate:
+    """Stiffness of a stack.
+
+    Attributes
+    ----------
+    A, B, D : (3, 3) array
+        Stretching, coupling and bending stiffness per length.
+    thickness : float
+    mass : float
+        Mass per area.
+    bottom, middle, top : (3, 3) array
+        Plane-stress stiffness of the outermost layers, and of the layer at the middle of the stack (the upper
+        one where two layers meet there).
+    """
+
+    A: Floats
+    B: Floats
+    D: Floats
+    thickness: float
+    mass: float
+    bottom: Floats
+    middle: Floats
+    top: Floats
+
+    @property
+    def coupling(self) -> float:
+        """Size of B against sqrt(A D): 0 for a stack that is symmetric about its middle."""
+        size = np.sqrt(np.abs(self.A).max() * np.abs(self.D).max())
+        return float(np.abs(self.B).max() / size)
+
+
+def laminate(layers: Sequence[Layer]) -> Laminate:
+    """Stiffness of layers stacked bottom to top, about the middle of the stack."""
+    if not layers:
+        raise InputError("layers: the list is empty: give at least one layer")
+    thicknesses = np.array([layer.thickness for layer in layers])
+    total = thicknesses.sum()
+    z = np.concatenate([[0.0], np.cumsum(thicknesses)]) - 0.5 * total
+    Q = np.stack([layer.plane_stress() for layer in layers])  # (layer, 3, 3)
+    A, B, D = (np.tensordot(np.diff(z**k) / k, Q, axes=1) for k in (1, 2, 3))
+    mass = sum(layer.material.density * layer.thickness for layer in layers)
+    middle = Q[min(int(np.searchsorted(z, 1e-9 * total, side="right")) - 1, len(Q) - 1)]
+    return Laminate(A, B, D, float(total), float(mass), bottom=Q[0], middle=middle, top=Q[-1])
+
+
+def require_symmetric(stack: Laminate) -> None:
+    """Raise InputError if bending stretches the laminate: a plate model has no stretching.
+
+    Raises
+    ------
+    InputError
+        If B is not zero.
+    """
+    if stack.coupling > NEGLIGIBLE_COUPLING:
+        raise InputError(
+            f"layers: the laminate is not symmetric about its middle, so bending stretches it "
+            f"(|B| / sqrt(|A| |D|) = {stack.coupling:.2g}, must be 0); plates in pure bending need "
+            "a symmetric one: mirror the layers about the middle, e.g. 0 / 90 / 90 / 0"
+        )

@@ -1,0 +1,226 @@
+"""Elastic materials, and what remains of them in plane stress.
+
+Symbols
+-------
+Q           plane-stress stiffness: (sigma_xx, sigma_yy, sigma_xy) = Q (e_xx, e_yy, 2 e_xy)
+C           stiffness in space, in the order xx yy zz yz xz xy with engineering shears
+theta       angle from the global x axis to material axis 1, counter-clockwise about z
+T           strains in material axes = T strains in global axes
+"""
+
+from __future__ import annotations
+
+from dataclasses import field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kshell.errors import InputError
+from kshell.material.elastic_constants import elastic_constants, require_positive
+from kshell.material.elastic_symmetry import stiffness, stiffness_matrix
+from kshell.values.validation import Number, described
+
+Floats = NDArray[np.float64]
+
+
+class Material(Protocol):
+    """What plates and shells ask of a material."""
+
+    @property
+    def density(self) -> float:
+        """Mass per volume."""
+
+    def plane_stress(self) -> Floats:
+        """(3, 3) stiffness Q in global axes, force per area."""
+
+
+def strain_rotation(angle: float) -> Floats:
+    """T of the table above for an angle in degrees: (3, 3), engineering shears.
+
+    Q_global = T^T Q_material T, because the energy does not depend on the axes.
+    """
+    theta = np.deg2rad(angle)
+    c, s = np.cos(theta), np.sin(theta)
+    return np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+
+
+def rotated(stiffness: ArrayLike, angle: float) -> Floats:
+    """Plane-stress stiffness (3, 3) in global axes of a material turned by an angle in degrees."""
+    rotation = strain_rotation(angle)
+    turned = rotation.T @ np.asarray(stiffness, dtype=float) @ rotation
+    return 0.5 * (turned + turned.T)
+
+
+@described("material")
+class Isotropic:
+    """The same in all directions. Give E and nu, or lame_lambda and lame_mu.
+
+    Attributes
+    ----------
+    E : float
+        Young's modulus, force per area, > 0.
+    nu : float
+        Poisson's ratio, -1 < nu < 1/2.
+    lame_lambda, lame_mu : float
+        Lame's constants, force per area; lame_mu is the shear modulus.
+    density : float
+        Mass per volume.
+
+    Raises
+    ------
+    InputError
+        If not exactly one of the two pairs is given or a constant is outside its limits.
+    """
+
+    E: Number | None = None
+    nu: Number | None = None
+    lame_lambda: Number | None = None
+    lame_mu: Number | None = None
+    density: Number = 0.0
+
+    def __post_init__(self) -> None:
+        pairs = {name: getattr(self, name) for name in ("E", "nu", "lame_lambda", "lame_mu")}
+        given = {name: value for name, value in pairs.items() if value is not None}
+        if set(given) not in ({"E", "nu"}, {"lame_lambda", "lame_mu"}):
+            raise InputError(
+                f"material: {' and '.join(given) or 'nothing'} given: an isotropic material needs E and nu, "
+                "or lame_lambda and lame_mu (Isotropic.from_constants takes any two constants)"
+            )
+        constants = elastic_constants(**given)
+        for name in pairs:
+            object.__setattr__(self, name, constants[name])
+        _require_density(self.density)
+
+    @classmethod
+    def from_constants(cls, density: float = 0.0, **two: float) -> Isotropic:
+        """From any two of E, nu, lame_lambda, lame_mu, bulk_modulus."""
+        constants = elastic_constants(**two)
+        return cls(E=constants["E"], nu=constants["nu"], density=density)
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = E / (3 (1 - 2 nu))."""
+        return self.E / (3.0 * (1.0 - 2.0 * self.nu))  # type: ignore[operator]
+
+    def plane_stress(self) -> Floats:
+        """(3, 3) stiffness Q, force per area; the shear term is lame_mu."""
+        E, nu = float(self.E), float(self.nu)  # type: ignore[arg-type]
+        return E / (1.0 - nu * nu) * np.array([[1.0, nu, 0.0], [nu, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - nu)]])
+
+    def __repr__(self) -> str:
+        return f"Isotropic(E={self.E!r}, nu={self.nu!r}, density={self.density!r})"
+
+
+@described("material")
+class Orthotropic:
+    """Two perpendicular material axes in the plane, axis 1 turned by `angle` degrees from x.
+
+    Attributes
+    ----------
+    E1, E2 : float
+        Young's moduli along the axes, > 0.
+    nu12 : float
+        Contraction along 2 under stress along 1; nu12^2 < E1 / E2.
+    G12 : float
+        Shear modulus in the plane, > 0.
+    angle : float
+        Degrees from the global x axis to axis 1, counter-clockwise.
+    density : float
+        Mass per volume.
+    """
+
+    E1: Number
+    E2: Number
+    nu12: Number
+    G12: Number
+    angle: Number = 0.0
+    density: Number = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("E1", "E2", "G12"):
+            require_positive(name, getattr(self, name))
+        if self.nu12**2 >= self.E1 / self.E2:
+            raise InputError(
+                f"material: nu12 = {self.nu12:g} must lie between -{(self.E1 / self.E2) ** 0.5:g} and "
+                f"{(self.E1 / self.E2) ** 0.5:g}, the square root of E1 / E2 (positive energy): "
+                "nu12 is the contraction along axis 2 under stress along axis 1"
+            )
+        _require_density(self.density)
+
+    def plane_stress(self) -> Floats:
+        """(3, 3) stiffness Q in global axes, force per area."""
+        nu21 = self.nu12 * self.E2 / self.E1
+        scale = 1.0 / (1.0 - self.nu12 * nu21)
+        coupling = scale * self.nu12 * self.E2
+        axes = np.array(
+            [[scale * self.E1, coupling, 0.0], [coupling, scale * self.E2, 0.0], [0.0, 0.0, self.G12]]
+        )
+        return rotated(axes, self.angle)
+
+
+@described("material")
+class Anisotropic:
+    """Any elastic material, from its stiffness.
+
+    Attributes
+    ----------
+    C : (6, 6) or (3, 3) array
+        Stiffness in space in the order xx yy zz yz xz xy (it is reduced to plane stress), or the
+        plane-stress stiffness in the order xx yy xy; engineering shears. Symmetric, positive definite.
+    density : float
+        Mass per volume.
+    angle : float
+        Degrees from the global x axis to material axis 1, counter-clockwise.
+    """
+
+    C: Any
+    density: Number = 0.0
+    angle: Number = 0.0
+    _stiffness: Any = field(init=False, repr=False, compare=False, default=None)
+
+    def __post_init__(self) -> None:
+        matrix = stiffness_matrix(self.C)
+        object.__setattr__(self, "C", tuple(map(tuple, matrix.tolist())))  # comparable and immutable
+        object.__setattr__(self, "_stiffness", matrix)
+        _require_density(self.density)
+
+    @classmethod
+    def of_class(cls, kind: str, angle: float = 0.0, density: float = 0.0, **constants: float) -> Anisotropic:
+        """A material of a symmetry class ("cubic", "monoclinic", "trigonal", ...) from its constants C11, C12, ...
+
+        The distinguished axis is z, the normal of the plate; see `kshell.material.elastic_symmetry.CLASSES`.
+        """
+        return cls(C=stiffness(kind, **constants), density=density, angle=angle)
+
+    @classmethod
+    def cubic(
+        cls, C11: float, C12: float, C44: float, angle: float = 0.0, density: float = 0.0
+    ) -> Anisotropic:
+        """Three equal axes, one of them along z; `angle` turns the others about z, in degrees."""
+        return cls.of_class("cubic", angle, density, C11=C11, C12=C12, C44=C44)
+
+    @classmethod
+    def monoclinic(cls, *, angle: float = 0.0, density: float = 0.0, **constants: float) -> Anisotropic:
+        """One plane of symmetry, the plane of the plate (z constant): 13 constants C11 ... C66.
+
+        C16, C26, C36 and C45 are 0 where they are not given.
+        """
+        return cls.of_class("monoclinic", angle, density, **constants)
+
+    def plane_stress(self) -> Floats:
+        """(3, 3) stiffness Q in global axes, force per area.
+
+        From (6, 6), the stresses zz, yz, xz are zero and their strains are eliminated:
+        Q = C_pp - C_pn C_nn^-1 C_np with p = xx, yy, xy and n = zz, yz, xz.
+        """
+        C = self._stiffness
+        if len(C) == 6:
+            p, n = [0, 1, 5], [2, 3, 4]
+            C = C[np.ix_(p, p)] - C[np.ix_(p, n)] @ np.linalg.solve(C[np.ix_(n, n)], C[np.ix_(n, p)])
+        return rotated(C, self.angle)
+
+
+def _require_density(density: float) -> None:
+    if density < 0.0:
+        raise InputError(f"material: density = {density:g} must not be negative")

@@ -1,0 +1,1 @@
+"""What is answered: plain data, and how it is saved."""

@@ -1,0 +1,287 @@
+"""What a solve answers: plain data, with the ways to look at it and to save it.
+
+Fields at vertices, one row per vertex (names in `kshell.result.vtu` describe the columns):
+
+displacement (3), rotation (3), moment (xx yy xy), shear (x y), stress_top and stress_bottom (xx yy xy),
+von_mises_top, von_mises_bottom, principal_moments (larger, smaller)
+
+Shells have no shear field, and besides membrane_force (xx yy xy), stress_middle, von_mises_middle,
+principal_forces, and the frame of all these tensors: frame_axis_1 (3) and normal (3).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, MutableMapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kshell.errors import InputError, SolveError
+from kshell.result.deferred import Deferred
+from kshell.values.naming import listing, suggestion
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kshell.mesh.mesh import Mesh
+    from kshell.scene.scene import Scene
+
+Floats = NDArray[np.float64]
+
+BUDGET = ("discretisation", "algebra", "shear", "large_deflection", "geometry")
+
+
+def no_error_estimate() -> dict[str, Any]:
+    """The `error` entry of a result whose error was not estimated."""
+    return {"estimate": None, "kind": "none", "budget": dict.fromkeys(BUDGET)}
+
+
+@dataclass(kw_only=True)
+class Result:
+    """The answer of one analysis, in the units of the input.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    fields : dict of str to (vertex, k) array
+        Values at vertices, see the module's list. Those of a plate are recovered when they are first looked at, as are
+        its cell fields and extremes.
+    unknowns : int
+        Size of the linear system before supports.
+    model : dict
+        kind, large_deflection, element, order, and reasons: why this model, in words.
+    frame : str
+        The axes of M, N and of stresses.
+    probes : dict of str to dict
+        Per probe x, u, rotation, M, N, stress_top, stress_bottom as arrays.
+    reactions : dict of str to dict
+        Per support group force (3,) and moment (3,) of the support on the plate.
+    balance : float
+        Relative error of the equilibrium of loads and reactions.
+    strain_energy, external_work : float
+    extremes : dict of str to {"value", "at"}
+        Found from the fields where it is not given.
+    cell_fields : dict of str to (triangle,) or (triangle, k) array
+    edge_fields : dict of str to (edge, k) array
+        Values at the middle of edges, for pictures and files of curved triangles.
+    energies : dict of str to float
+        Parts of the strain energy of a shell: membrane, bending, springs.
+    path : list of dict
+        Of large deflections: per converged step factor, probes, iterations, and whether it is stable.
+    critical : list of dict
+        Limit points and bifurcations passed: kind, factor, the number of the step after it, and whether the path was
+        followed, branched or jumped then. Their modes are the fields mode_1, mode_2, ...
+    series : list of (factor, callable)
+        Per entry of `path` a function that gives its Result.
+    evaluate : callable, optional
+        Points (n, 3) to a dict of arrays: values anywhere on the surface.
+    error : dict
+        estimate, kind and budget.
+    solver : dict
+        name, iterations, seconds per stage, peak_memory_mb.
+    warnings : list of str
+    scene : Scene, optional
+        What was solved, for pictures.
+    """
+
+    mesh: Mesh
+    fields: MutableMapping[str, Floats]
+    unknowns: int
+    model: dict[str, Any]
+    title: str = ""
+    analysis: str = "static"
+    frame: str = "global x, y"
+    probes: dict[str, dict[str, Any]] = field(default_factory=dict)
+    reactions: Mapping[str, MutableMapping[str, Any]] = field(default_factory=dict)
+    balance: float = 0.0
+    strain_energy: float = 0.0
+    external_work: float = 0.0
+    extremes: MutableMapping[str, dict[str, Any]] = field(default_factory=dict)
+    cell_fields: MutableMapping[str, NDArray[Any]] = field(default_factory=dict)
+    edge_fields: MutableMapping[str, Floats] = field(default_factory=dict)
+    energies: dict[str, float] = field(default_factory=dict)
+    path: list[dict[str, Any]] = field(default_factory=list)
+    critical: list[dict[str, Any]] = field(default_factory=list)
+    series: list[tuple[float, Callable[[], Result]]] = field(default_factory=list)
+    evaluate: Callable[[Floats], dict[str, Floats]] | None = None
+    error: dict[str, Any] = field(default_factory=no_error_estimate)
+    solver: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    scene: Scene | None = None
+
+    def __post_init__(self) -> None:
+        if not self.extremes:
+            self.extremes = find_extremes(self.mesh.points, self.fields)
+
+    def probe(self, name: str) -> dict[str, Any]:
+        """Values at a probe: x, u (3,), rotation (3,), M (3,), N (3,), stress_top (3,), stress_bottom (3,).
+
+        Raises
+        ------
+        InputError
+            If the scene has no probe of that name; the message lists them.
+        """
+        if name not in self.probes:
+            raise InputError(
+                f'no probe "{name}": {suggestion(name, self.probes)}the probes are {listing(self.probes)}'
+            )
+        return self.probes[name]
+
+    def at(self, points: ArrayLike) -> dict[str, Floats]:
+        """Values at any points (n, 3) or (3,), as for a probe; arrays have one row per point.
+
+        Raises
+        ------
+        InputError
+            If the points are not (n, 3) finite numbers.
+        SolveError
+            If this result only has values at vertices.
+        """
+        x = np.asarray(points, dtype=float)
+        if x.shape[-1:] != (3,) or x.ndim > 2 or not np.isfinite(x).all():
+            raise InputError(f"points of shape {x.shape}: give (n, 3) finite coordinates")
+        if self.evaluate is None:
+            raise SolveError("this result has values at vertices only: look at result.fields")
+        return self.evaluate(np.atleast_2d(x))
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of result.json: numbers, text, lists and dicts only.
+
+        Raises
+        ------
+        SolveError
+            If a value is NaN or infinite; the message says which.
+        """
+        from kshell import __version__
+
+        document = {
+            "kshell": __version__,
+            "title": self.title,
+            "analysis": self.analysis,
+            "model": self.model,
+            "mesh": {
+                "vertices": len(self.mesh.points),
+                "triangles": len(self.mesh.triangles),
+                "unknowns": self.unknowns,
+            },
+            "probes": {name: {**values, "frame": self.frame} for name, values in self.probes.items()},
+            "extremes": self.extremes,
+            "strain_energy": self.strain_energy,
+            **({"energies": self.energies} if self.energies else {}),
+            "external_work": self.external_work,
+            "reactions": self.reactions,
+            "balance": self.balance,
+            "eigen": [],
+            "path": self.path,
+            **({"critical": self.critical} if self.critical else {}),
+            "error": self.error,
+            "solver": self.solver,
+            "warnings": self.warnings,
+        }
+        return {key: _plain(value, key) for key, value in document.items()}
+
+    def save(self, folder: str | os.PathLike[str], plots: bool = False) -> list[str]:
+        """Write result.json and result.vtu, and pictures if asked, all of them or none.
+
+        Parameters
+        ----------
+        folder : path
+            Made if it does not exist. Earlier results in it are replaced only when all new files are written.
+        plots : bool
+            Also write deflection.png, moments and stresses, and the mesh with supports and loads.
+
+        Returns
+        -------
+        The paths written.
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written.
+        SolveError
+            If a value is NaN or infinite.
+        """
+        from kshell.result.saving import save
+
+        return save(self, folder, plots)
+
+    def plot(self, what: str = "deflection") -> Figure:
+        """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
+
+        Of shells also "force_xx", "force_yy", "force_xy", "von_mises_middle" and "von_mises_bottom", drawn on the
+        deformed surface.
+
+        Returns
+        -------
+        matplotlib Figure, to be saved with `savefig`.
+
+        Raises
+        ------
+        InputError
+            If there is no such picture; the message lists them.
+        """
+        from kshell.draw.plot import plot
+
+        return plot(self, what)
+
+    def show(self, what: str = "deflection", scale: float | None = None, file: str | None = None) -> Any:
+        """The deformed surface in 3D with PyVista, to be turned with the mouse.
+
+        Parameters
+        ----------
+        what : str
+            As for `plot`, except "mesh".
+        scale : float, optional
+            By which displacements are enlarged; absent: so that the largest is a tenth of the size.
+        file : path, optional
+            Save a picture there instead of opening a window.
+
+        Returns
+        -------
+        pyvista.Plotter
+
+        Raises
+        ------
+        InputError
+            If PyVista is not installed: it is the extra "view" of kshell.
+        """
+        from kshell.draw.view import show
+
+        return show(self, what, scale, file)
+
+
+def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
+    """Largest deflection in size (with its sign) and largest von Mises stress, each with its vertex."""
+    faces = [name for name in ("von_mises_top", "von_mises_bottom") if name in fields]
+    makers = {}
+    if "displacement" in fields:
+        makers["deflection"] = lambda: _extreme(points, fields["displacement"][:, 2])
+    if faces:
+        makers["von_mises"] = lambda: _extreme(
+            points, np.max([np.ravel(fields[name]) for name in faces], axis=0)
+        )
+    return Deferred(makers)
+
+
+def _extreme(points: Floats, values: Floats) -> dict[str, Any]:
+    place = int(np.argmax(np.abs(values)))
+    return {"value": float(values[place]), "at": points[place].tolist()}
+
+
+def _plain(value: Any, where: str) -> Any:
+    """The value made of dicts, lists, text and finite Python numbers."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(part, f"{where}.{key}") for key, part in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist(), where)
+    if isinstance(value, list | tuple):
+        return [_plain(part, f"{where}[{number}]") for number, part in enumerate(value)]
+    if isinstance(value, float) and not np.isfinite(value):
+        raise SolveError(
+            f"the result is not usable: {where} is {value}. Nothing is written; "
+            "look at the magnitudes of stiffness, thickness and loads"
+        )
+    return value

@@ -1,0 +1,192 @@
+"""What acts on a plate or shell. Values are numbers, expressions in x, y, z, or functions of the place."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kshell.errors import InputError
+from kshell.scene.places import On, Place, ScalarValue, VectorValue, on_words
+from kshell.values.validation import Flag, described
+from kshell.values.varying import values_at
+
+
+class Load:
+    """What all loads have in common.
+
+    Attributes
+    ----------
+    kind : str
+        The name in a scene file.
+    on : str, tuple of str, (x, y, z) or None
+        Where it acts; None is everywhere.
+    value : scalar or vector
+    components : int or None
+        Length of the vector, None for a scalar.
+    """
+
+    kind: ClassVar[str] = ""
+    components: ClassVar[int | None] = None
+    on: Place | None
+    value: Any
+
+    def at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """The value at points (..., 3): (...) for a scalar, (..., components) for a vector."""
+        return values_at(self.value, points, self.components, what=str(self))
+
+    def __str__(self) -> str:
+        return f"load {self.kind} {on_words(self.on)}"
+
+
+@described("load pressure")
+class Pressure(Load):
+    """Force per area along the normal, positive along +z on a plate."""
+
+    kind: ClassVar[str] = "pressure"
+    value: ScalarValue
+    on: On | None = None
+    follower: Flag = False
+
+
+@described("load traction")
+class Traction(Load):
+    """Force per area, a vector."""
+
+    kind: ClassVar[str] = "traction"
+    components: ClassVar[int | None] = 3
+    value: VectorValue
+    on: On | None = None
+
+
+@described("load gravity")
+class Gravity(Load):
+    """Acceleration, a vector; the material needs a density."""
+
+    kind: ClassVar[str] = "gravity"
+    components: ClassVar[int | None] = 3
+    value: VectorValue
+    on: On | None = None
+
+
+@described("load line_force")
+class LineForce(Load):
+    """Force per length along curves, a vector."""
+
+    kind: ClassVar[str] = "line_force"
+    components: ClassVar[int | None] = 3
+    on: On
+    value: VectorValue
+
+
+@described("load edge_moment")
+class EdgeMoment(Load):
+    """Bending moment per length on an edge: positive puts the face z = +t/2 in tension."""
+
+    kind: ClassVar[str] = "edge_moment"
+    on: On
+    value: ScalarValue
+
+
+@described("load point_force")
+class PointForce(Load):
+    """Force at a point, a vector."""
+
+    kind: ClassVar[str] = "point_force"
+    components: ClassVar[int | None] = 3
+    on: On
+    value: VectorValue
+
+
+@described("load point_moment")
+class PointMoment(Load):
+    """Moment vector at a point."""
+
+    kind: ClassVar[str] = "point_moment"
+    components: ClassVar[int | None] = 3
+    on: On
+    value: VectorValue
+
+
+@described("load temperature")
+class Temperature(Load):
+    """A temperature change that varies linearly through the thickness.
+
+    Attributes
+    ----------
+    mean : scalar
+        Change at the middle; a plate that is free to stretch does not feel it.
+    gradient : scalar
+        Change per length along +z: (T_top - T_bottom) / thickness.
+    expansion : float
+        Coefficient of thermal expansion, strain per temperature.
+    """
+
+    kind: ClassVar[str] = "temperature"
+    mean: ScalarValue = 0.0
+    gradient: ScalarValue = 0.0
+    expansion: ScalarValue | None = None
+    on: On | None = None
+
+    def __post_init__(self) -> None:
+        if self.expansion is None:
+            raise InputError(
+                "load temperature: expansion is missing: give the coefficient of thermal expansion"
+            )
+
+    def curvature_at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Stress-free (w_xx, w_yy, w_xy) at points (..., 3): (-expansion gradient, the same, 0)."""
+        bend = -self._at("expansion", points) * self._at("gradient", points)
+        return np.stack([bend, bend, np.zeros_like(bend)], axis=-1)
+
+    def strain_at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Stress-free strain of the middle surface at points (..., 3): expansion times mean."""
+        return self._at("expansion", points) * self._at("mean", points)
+
+    def _at(self, key: str, points: ArrayLike) -> NDArray[np.float64]:
+        return values_at(getattr(self, key), points, what=f"{self}, {key}")
+
+
+@described("load initial_curvature")
+class InitialCurvature(Load):
+    """Curvature (w_xx, w_yy, w_xy) that the plate takes up without moments."""
+
+    kind: ClassVar[str] = "initial_curvature"
+    components: ClassVar[int | None] = 3
+    value: VectorValue
+    on: On | None = None
+
+    def curvature_at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Stress-free (w_xx, w_yy, w_xy) at points (..., 3)."""
+        return self.at(points)
+
+
+@described("load initial_strain")
+class InitialStrain(Load):
+    """Strain of the middle surface (E_11, E_22, E_12) that a shell takes up without stress; E_12 is half the shear.
+
+    In the frame of the results: e_1 is the projection of the global x (of y where x is normal).
+    """
+
+    kind: ClassVar[str] = "initial_strain"
+    components: ClassVar[int | None] = 3
+    value: VectorValue
+    on: On | None = None
+
+
+LOADS: dict[str, type[Any]] = {
+    cls.kind: cls
+    for cls in (
+        Pressure,
+        Traction,
+        Gravity,
+        LineForce,
+        EdgeMoment,
+        PointForce,
+        PointMoment,
+        Temperature,
+        InitialCurvature,
+        InitialStrain,
+    )
+}

@@ -1,0 +1,59 @@
+"""The mesh of a scene in space: for a chart the surface over its parameter plane."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.mesh.check import is_flat
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import count, place
+from kshell.scene.scene import Scene
+
+Floats = NDArray[np.float64]
+
+POINT = 1e-12  # length of an edge, against the size of the mesh, that is none
+
+
+def mesh_in_space(scene: Scene, mesh: Mesh) -> Mesh:
+    """The mesh itself, or the same triangles on the chart, of order 2, with the same groups.
+
+    Raises
+    ------
+    InputError
+        If the scene has a chart but the mesh is not flat in a plane z = const, or the chart takes an edge to a point
+        or to none.
+    """
+    if scene.chart is None:
+        return mesh
+    nodes = mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints])
+    if not is_flat(nodes):
+        z = nodes[:, 2]
+        raise InputError(
+            f"{mesh.source}: the scene has a chart, so the mesh must lie in its parameter plane (u, v, 0), but z goes "
+            f"from {z.min():g} to {z.max():g}: mesh the parameters, or leave the chart out"
+        )
+    middle = mesh.points[mesh.edges].mean(axis=1) if mesh.midpoints is None else mesh.midpoints
+    space = replace(mesh, points=lifted(scene, mesh.points), midpoints=lifted(scene, middle))
+    _require_edges(mesh, space)
+    return space
+
+
+def _require_edges(mesh: Mesh, space: Mesh) -> None:
+    """Raise if the chart takes an edge to a point, as at the pole of a sphere."""
+    shrunk = np.flatnonzero(~(space.edge_lengths > POINT * space.size))
+    if len(shrunk):
+        (a, b), at = mesh.points[mesh.edges[shrunk[0]]], space.points[mesh.edges[shrunk[0], 0]]
+        raise InputError(
+            f"{mesh.source}: the chart takes {count(len(shrunk), 'edge')} to single points, e.g. the one from (u, v) = "
+            f"{place(a)} to {place(b)} to {place(at)}: it has no tangents and no normal there. Leave such places, "
+            "poles and tips, out of the mesh, or mesh the surface in space"
+        )
+
+
+def lifted(scene: Scene, parameters: Floats) -> Floats:
+    """Points (n, 3) of the chart over parameters (n, 2 or 3)."""
+    return np.asarray(scene.chart.derivatives(*parameters[:, :2].T, order=0)[0], dtype=float)

@@ -1,0 +1,136 @@
+"""How to solve: the keys of [solve] in a scene file and the options of `kshell.solve`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator
+
+from kshell.errors import InputError
+from kshell.values.validation import Number, described
+
+# change of the displacements from which large deflections matter
+TOLERANCE = 0.01
+
+
+def _large(value: Any) -> Any:
+    if value is not True and value is not False and value != "auto":
+        raise ValueError('must be "auto", true or false')
+    return value
+
+
+def _steps(value: Any) -> Any:
+    if value != "auto" and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+        raise ValueError('must be "auto" or a whole number > 0')
+    return value
+
+
+@described("control")
+class Control:
+    """A displacement that is prescribed along a path; the load factor is what it takes.
+
+    Attributes
+    ----------
+    probe : str
+        Name of a probe of the scene.
+    component : "x", "y" or "z"
+    to : float
+        Last value of this component of its displacement.
+    """
+
+    probe: str
+    component: Literal["x", "y", "z"]
+    to: Number
+
+    def __post_init__(self) -> None:
+        if self.to == 0.0:
+            raise InputError("control: to = 0 goes nowhere: give the last displacement of the probe")
+
+
+def _control(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return Control(**value)
+    if value is not None and not isinstance(value, Control):
+        raise ValueError('must be a table such as {probe = "tip", component = "z", to = -0.1}')
+    return value
+
+
+def _tolerance(value: Any) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < 1.0:
+        raise ValueError("must be a number between 0 and 1, such as 0.01")
+    return float(value)
+
+
+def _branch(value: Any) -> Any:
+    if isinstance(value, bool) or value not in (-1, 0, 1):
+        raise ValueError(
+            "must be 0 (stay on the path), 1 or -1 (leave it along the critical mode, or against it)"
+        )
+    return value
+
+
+@described("[solve]")
+class SolveOptions:
+    """Options of a solve.
+
+    Attributes
+    ----------
+    analysis : "static" or "path"
+        Deflection under the loads, or under loads that grow from zero with a factor, through limit points.
+    model : "auto", "plate" or "shell"
+        The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
+    element : "auto", "morley", "argyris" or "koiter"
+        Morley: quadratic plates, cheap. Argyris: of degree five, plates and charts, accurate where the solution
+        is smooth. Koiter: shells on any surface, and flat ones.
+    order : "auto", 1, 2 or 3
+        Of the Koiter element.
+    large_deflection : "auto", True or False
+        "auto": small deflections first, large ones where they differ by more than `tolerance`.
+    tolerance : float, optional
+        Relative change of the displacements from which large deflections matter under "auto", 1 % if not given.
+        The mesh is solved as given.
+    solver : "auto", "direct" or "multigrid"
+        How the linear system is solved.
+    steps : "auto" or int
+        First guess of the number of load steps; they adapt. "auto": 10 on a path, 1 otherwise.
+    control : Control or dict, optional
+        Of a path: the displacement of a probe grows in steps instead of the load.
+    branch : 0, 1 or -1
+        Of a path: what to do at its first bifurcation: stay on it, or follow the branch that leaves along the
+        critical mode, or against it.
+    """
+
+    analysis: Literal["static", "path"] = "static"
+    model: Literal["auto", "plate", "shell"] = "auto"
+    element: Literal["auto", "morley", "argyris", "koiter"] = "auto"
+    order: Literal["auto", 1, 2, 3] = "auto"
+    large_deflection: Annotated[Any, BeforeValidator(_large)] = "auto"
+    tolerance: Annotated[Any, BeforeValidator(_tolerance)] = None
+    solver: Literal["auto", "direct", "multigrid"] = "auto"
+    steps: Annotated[Any, BeforeValidator(_steps)] = "auto"
+    control: Annotated[Any, BeforeValidator(_control)] = None
+    branch: Annotated[Any, BeforeValidator(_branch)] = 0
+
+    @property
+    def large_tolerance(self) -> float:
+        """Relative change of the displacements from which large deflections matter."""
+        return TOLERANCE if self.tolerance is None else float(self.tolerance)
+
+    @property
+    def large_asked(self) -> bool:
+        """Whether large deflections are asked for, in so many words or as a path."""
+        return self.large_deflection is True or self.analysis == "path"
+
+    def updated(self, **changes: Any) -> SolveOptions:
+        """These options with some changed.
+
+        Raises
+        ------
+        InputError
+            If an option does not exist or has a value that does not.
+        """
+        return SolveOptions(**{f.name: getattr(self, f.name) for f in fields(self)} | changes)

@@ -1,0 +1,111 @@
+"""Where something acts: a group name, several names, or a point."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator
+
+from kshell.errors import InputError
+from kshell.values.expression import Expression
+
+Point = tuple[float, float, float]
+Place = str | tuple[str, ...] | Point
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+def as_point(value: Any) -> Point:
+    """Two or three finite numbers as a point; z = 0 where it is left out.
+
+    Raises
+    ------
+    ValueError
+        With words for the user.
+    """
+    parts = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
+    if len(parts) not in (2, 3) or not all(_is_number(part) and np.isfinite(part) for part in parts):
+        raise ValueError("must be a point, three numbers [x, y, z]")
+    x, y, z = [float(part) for part in [*parts, 0.0][:3]]
+    return (x, y, z)
+
+
+def _as_place(value: Any) -> Place:
+    if isinstance(value, str) and value:
+        return value
+    if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) and len(value):
+        if all(isinstance(part, str) and part for part in value):
+            return tuple(value)
+        if all(_is_number(part) for part in value):
+            return as_point(value)
+    raise ValueError("must be a group name, a list of group names, or a point [x, y, z]")
+
+
+def as_scalar(value: Any) -> Any:
+    """A number, a formula or a function, checked.
+
+    Raises
+    ------
+    ValueError
+        With words for the user.
+    """
+    if isinstance(value, str):
+        return _formula(value)
+    if callable(value):
+        return value
+    if _is_number(value) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        if np.isfinite(value):
+            return float(value)
+        raise ValueError("must be a finite number")
+    raise ValueError("must be a number, an expression in x, y, z, or a function f(x, y, z)")
+
+
+def _as_vector(value: Any) -> Any:
+    if callable(value):
+        return value
+    parts = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
+    if len(parts) != 3:
+        raise ValueError("must be a vector of three numbers or expressions, or a function f(x, y, z)")
+    return tuple(as_scalar(part) for part in parts)
+
+
+def _formula(text: str) -> str:
+    try:
+        Expression(text)
+    except InputError as error:
+        raise ValueError(str(error)) from None  # pydantic adds the key
+    return text
+
+
+On = Annotated[Any, BeforeValidator(_as_place)]
+"""A group name, a tuple of group names, or a point (x, y, z)."""
+
+ScalarValue = Annotated[Any, BeforeValidator(as_scalar)]
+"""A number, an expression in x, y, z, or a function."""
+
+VectorValue = Annotated[Any, BeforeValidator(_as_vector)]
+"""Three numbers or expressions, or a function that returns three components."""
+
+
+def _as_either(value: Any) -> Any:
+    return (
+        as_scalar(value) if isinstance(value, str | int | float) or np.ndim(value) == 0 else _as_vector(value)
+    )
+
+
+ScalarOrVector = Annotated[Any, BeforeValidator(_as_either)]
+
+
+def on_words(on: Place | None) -> str:
+    """The place in words: `on "left"`, `on "left", "right"`, `on (0, 1, 0)` or `everywhere`."""
+    if on is None:
+        return "everywhere"
+    if isinstance(on, str):
+        return f'on "{on}"'
+    if isinstance(on[0], str):
+        return "on " + ", ".join(f'"{name}"' for name in on)
+    return "on (" + ", ".join(f"{c:g}" for c in on) + ")"

@@ -1,0 +1,262 @@
+"""What a user describes: a mesh, its material and thickness, supports, loads and probes.
+
+Pure data, checked when it is made; it knows nothing of elements. Scenes are written in Python or as
+TOML files (`kshell.scene.toml`).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator
+
+from kshell.errors import InputError
+from kshell.material.laminate import Layer
+from kshell.mesh.mesh import Mesh
+from kshell.scene.imperfection import Imperfection
+from kshell.scene.loads import Load
+from kshell.scene.options import SolveOptions
+from kshell.scene.places import Point, as_point, as_scalar
+from kshell.scene.supports import Support
+from kshell.values.validation import Number, described
+
+
+def _thickness(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        if not value:
+            raise ValueError("must name at least one surface group")
+        return {str(name): _as_thickness(part, f'for "{name}" ') for name, part in value.items()}
+    return None if value is None else _as_thickness(value, "")
+
+
+def _as_thickness(value: Any, whose: str) -> Any:
+    wanted = "must be a number > 0, an expression in x, y, z, or a function f(x, y, z)"
+    if isinstance(value, str) or callable(value):
+        return as_scalar(value)
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        raise ValueError(f"{whose}{wanted}")
+    if not (np.isfinite(value) and value > 0):
+        raise ValueError(f"{whose}must be a finite number > 0")
+    return float(value)
+
+
+def _mesh(value: Any) -> Any:
+    if value is None or isinstance(value, int | float) or value == "":
+        raise ValueError("must be the path of a mesh file, or a mesh of kshell, scikit-fem or meshio")
+    return Path(value) if isinstance(value, str | os.PathLike) else value
+
+
+def _geometry(value: Any) -> Any:
+    if value is not None and (not isinstance(value, str | os.PathLike) or value == ""):
+        raise ValueError("must be the path of a geometry file: .geo, .step, .brep or .iges")
+    return None if value is None else Path(value)
+
+
+def _chart(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        from kshell.geometry import ready_chart
+
+        constants = {str(key): part for key, part in value.items() if key != "kind"}
+        if "kind" not in value:
+            raise ValueError('must have a kind, for example {"kind": "cylinder", "R": 25.0}')
+        try:
+            return ready_chart(value["kind"], **constants)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+    if value is not None and not callable(getattr(value, "derivatives", None)):
+        raise ValueError("must be a chart of kshell.geometry such as ks.geometry.Cylinder(R=25)")
+    return value
+
+
+def _direction(value: Any) -> Any:
+    if value is None:
+        return None
+    direction = as_point(value)
+    if not any(direction):
+        raise ValueError("must not be zero")
+    return direction
+
+
+def _probes(value: Any) -> Any:
+    if not isinstance(value, Mapping):
+        raise ValueError("must be a dict of name to point (x, y, z)")
+    points = {}
+    for name, point in value.items():
+        try:
+            points[str(name)] = as_point(point)
+        except ValueError as error:
+            raise ValueError(f'"{name}" = {point!r} {error}') from None
+    return points
+
+
+@described("scene")
+class Scene:
+    """A plate or shell with everything that holds and loads it.
+
+    Attributes
+    ----------
+    mesh : path, kshell.Mesh, skfem.MeshTri or meshio.Mesh
+        .msh 2.2 / 4.1 of order 1 or 2, .geo .step .brep (meshed by gmsh), or what meshio reads.
+    thickness : number, expression in x, y, z, callable f(x, y, z), or dict of surface group to one of these
+        Not together with `layers`.
+    material : Isotropic, Orthotropic or Anisotropic
+        Not together with `layers`.
+    layers : sequence of Layer
+        Bottom to top; the top is on the side of the normal.
+    chart : kshell.geometry.Chart or dict with its kind and constants, optional
+        The mesh lies in the plane z = 0 of its parameters u, v. Loads, points and probes are in x, y, z as usual.
+    offset : float
+        Height of the middle of the material above the mesh, along the normal; shells only.
+    direction : (x, y, z), optional
+        From its projection on the shell the angle of the material axes counts; without it from that of x (of y
+        where x is normal). Shells only.
+    imperfection : Imperfection or dict, optional
+        Of the shape; Koiter shells only.
+    supports : sequence of Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic
+    loads : sequence of Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment,
+        Temperature, InitialCurvature, InitialStrain
+    probes : dict of str to (x, y, z)
+        Named points whose values are reported.
+    mesh_size : float, optional
+        Triangle size, only for geometry files.
+    mesh_order : 1 or 2, optional
+        Order of the triangles, only for geometry files.
+    geometry : path, optional
+        .geo, .step, .brep or .iges from which a mesh of order 1 was made: its mid-edge nodes are put on the curves
+        and surfaces there, which makes it one of order 2.
+    title : str
+    solve : SolveOptions or dict
+        The defaults for `kshell.solve(scene)`.
+
+    Raises
+    ------
+    InputError
+        Naming the key, its value and how to mend it.
+    """
+
+    mesh: Annotated[Any, BeforeValidator(_mesh)]
+    thickness: Annotated[Any, BeforeValidator(_thickness)] = None
+    material: Any = None
+    supports: Any = ()
+    loads: Any = ()
+    probes: Annotated[dict[str, Point], BeforeValidator(_probes)] = field(default_factory=dict)
+    layers: Any = None
+    chart: Annotated[Any, BeforeValidator(_chart)] = None
+    offset: Number = 0.0
+    direction: Annotated[Any, BeforeValidator(_direction)] = None
+    imperfection: Any = None
+    mesh_size: Number | None = None
+    mesh_order: Literal[1, 2] | None = None
+    geometry: Annotated[Any, BeforeValidator(_geometry)] = None
+    title: str = ""
+    solve: Any = field(default_factory=SolveOptions)
+
+    def __post_init__(self) -> None:
+        for key, cls, words in (
+            ("supports", Support, "a support such as ks.Clamped(...)"),
+            ("loads", Load, "a load such as ks.Pressure(...)"),
+        ):
+            object.__setattr__(self, key, _all_of(getattr(self, key), cls, key, words))
+        if self.layers is not None:
+            object.__setattr__(self, "layers", _all_of(self.layers, Layer, "layers", "a ks.Layer(...)"))
+        if isinstance(self.imperfection, Mapping):
+            object.__setattr__(self, "imperfection", Imperfection(**self.imperfection))
+        if not isinstance(self.imperfection, Imperfection | None):
+            raise InputError(
+                f"scene: imperfection = {self.imperfection!r}: must be a ks.Imperfection(...), for example "
+                "ks.Imperfection(amplitude=0.001)"
+            )
+        if isinstance(self.solve, Mapping):
+            object.__setattr__(self, "solve", SolveOptions(**self.solve))
+        if not isinstance(self.solve, SolveOptions):
+            raise InputError(f"scene: solve = {self.solve!r}: must be a dict of the keys of [solve]")
+        self._require_one_section()
+        if self.mesh_size is not None and not self.mesh_size > 0:
+            raise InputError(f"scene: mesh_size = {self.mesh_size:g} must be > 0")
+        if self.geometry is not None and self.chart is not None:
+            raise InputError(
+                "scene: geometry and chart given: each says how the shell is curved, leave one out"
+            )
+
+    def _require_one_section(self) -> None:
+        if self.layers is not None:
+            given = [key for key in ("thickness", "material") if getattr(self, key) is not None]
+            if given:
+                raise InputError(
+                    f"scene: layers and {' and '.join(given)} given: layers have their own, leave them out"
+                )
+            if not self.layers:
+                raise InputError("scene: layers is empty: give at least one layer")
+            return
+        if self.thickness is None:
+            raise InputError("scene: thickness is missing: give the thickness of the plate, or layers")
+        if self.material is None:
+            raise InputError("scene: material is missing: give one, e.g. ks.Isotropic(E=210e9, nu=0.3)")
+        if not hasattr(self.material, "plane_stress"):
+            raise InputError(
+                f"scene: material = {self.material!r}: must be ks.Isotropic(...), ks.Orthotropic(...) "
+                "or ks.Anisotropic(...)"
+            )
+
+    @property
+    def density_missing(self) -> bool:
+        """Whether some material has no density, so gravity would do nothing there."""
+        materials = [self.material] if self.layers is None else [layer.material for layer in self.layers]
+        return any(material.density == 0.0 for material in materials)
+
+    def read_mesh(self) -> Mesh:
+        """The mesh of the scene, read and checked.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read or used.
+        """
+        from kshell.mesh import read_mesh
+
+        return read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:
+        """The scene in a TOML file; relative paths in it are relative to the file.
+
+        Parameters
+        ----------
+        path : path
+        overrides : sequence of "key=value"
+            Replace values of the file before it is checked; keys are dotted, lists count from 0:
+            "material.E=70e9", "load.0.value=2000".
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or something in it is wrong: names file, key, value and mend.
+        """
+        from kshell.scene.toml import load_scene
+
+        return load_scene(Path(path), overrides)
+
+    @classmethod
+    def from_dict(
+        cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".", source: str = "scene"
+    ) -> Scene:
+        """The scene in a dict with the keys of a scene file; paths are relative to `folder`."""
+        from kshell.scene.toml import scene_from_dict
+
+        return scene_from_dict(data, Path(folder), source)
+
+
+def _all_of(items: Any, cls: type, key: str, words: str) -> tuple[Any, ...]:
+    if isinstance(items, cls):
+        items = (items,)
+    if not isinstance(items, Sequence) or isinstance(items, str):
+        raise InputError(f"scene: {key} = {items!r}: must be a list of {key}")
+    for number, item in enumerate(items):
+        if not isinstance(item, cls):
+            raise InputError(f"scene: {key}[{number}] = {item!r}: must be {words}")
+    return tuple(items)

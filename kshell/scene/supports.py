@@ -1,0 +1,215 @@
+"""How a plate or shell is held, by name.
+
+Freedoms are letters: x, y, z are translations, r is the rotation about the edge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import field
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kshell.errors import InputError
+from kshell.scene.places import On, Place, ScalarOrVector, ScalarValue, on_words
+from kshell.values.validation import described
+from kshell.values.varying import is_constant, values_at
+
+FREEDOMS = "xyzr"
+
+
+class Support:
+    """What all supports have in common.
+
+    Attributes
+    ----------
+    on : str, tuple of str, or (x, y, z)
+        A group, several groups, or the nearest mesh vertex.
+    kind : str
+        The name in a scene file.
+    freedoms : str
+        The freedoms that are held (or sprung), letters of "xyzr".
+    value : scalar, vector or None
+        Prescribed translation: a vector, or a scalar for z; None is zero.
+    """
+
+    kind: ClassVar[str] = ""
+    on: Place
+    freedoms: str
+    value: Any = None
+
+    def translation_at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Prescribed translation (..., 3) at points (..., 3); zero where nothing is prescribed."""
+        points = np.asarray(points, dtype=float)
+        result = np.zeros(points.shape)
+        if self.value is None:
+            return result
+        if isinstance(self.value, tuple) or (callable(self.value) and _returns_vector(self.value, points)):
+            return values_at(self.value, points, components=3, what=str(self))
+        result[..., 2] = values_at(self.value, points, what=str(self))
+        return result
+
+    def __str__(self) -> str:
+        return f"support {self.kind} {on_words(self.on)}"
+
+
+def _returns_vector(function: Callable[..., Any], points: NDArray[np.float64]) -> bool:
+    """Whether a function of the place gives three components or one."""
+    with np.errstate(all="ignore"):
+        result = function(*points.reshape(-1, 3)[:1].T)
+    return isinstance(result, tuple | list) or np.ndim(result) == 2
+
+
+@described("support clamped")
+class Clamped(Support):
+    """No translation and no rotation about the edge; `value` prescribes a translation."""
+
+    kind: ClassVar[str] = "clamped"
+    on: On
+    value: ScalarOrVector | None = None
+    freedoms: str = field(default=FREEDOMS, init=False, repr=False)
+
+
+@described("support simply_supported")
+class SimplySupported(Support):
+    """No translation, rotation free; along an edge of a plate the hard kind, w = 0 all along."""
+
+    kind: ClassVar[str] = "simply_supported"
+    on: On
+    value: ScalarOrVector | None = None
+    freedoms: str = field(default="xyz", init=False, repr=False)
+
+
+@described("support symmetry")
+class Symmetry(Support):
+    """A plane of symmetry: no translation across it and no rotation about the edge."""
+
+    kind: ClassVar[str] = "symmetry"
+    on: On
+    freedoms: str = field(default="r", init=False, repr=False)
+
+
+@described("support free")
+class Free(Support):
+    """Nothing is held: only says so."""
+
+    kind: ClassVar[str] = "free"
+    on: On
+    freedoms: str = field(default="", init=False, repr=False)
+
+
+@described("support hinge")
+class Hinge(Support):
+    """A hinge line of a shell: the sheets that meet there turn freely about it, nothing else is released."""
+
+    kind: ClassVar[str] = "hinge"
+    on: On
+    freedoms: str = field(default="", init=False, repr=False)
+
+
+@described("support fixed")
+class Fixed(Support):
+    """Exact freedoms, letters of "xyzr", with an optional prescribed translation.
+
+    `value` is a vector (x, y, z), or a scalar for z; a function may return either. `axes`, on shells, are three
+    vectors at right angles that x, y and z of the letters then mean; `value` stays in global components.
+    """
+
+    kind: ClassVar[str] = "fixed"
+    on: On
+    freedoms: str = FREEDOMS
+    value: ScalarOrVector | None = None
+    axes: Any = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "fixed"))
+        if self.axes is None:
+            _require_matching_value(self.freedoms, self.value)
+        else:
+            object.__setattr__(self, "axes", _checked_axes(self.axes))
+
+
+@described("support elastic")
+class Elastic(Support):
+    """Springs: stiffness per area on surfaces (Winkler), per length on curves, plain at points.
+
+    A rotation spring ("r") has stiffness moment per radian and length.
+    """
+
+    kind: ClassVar[str] = "elastic"
+    on: On
+    stiffness: ScalarValue
+    freedoms: str = "z"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "elastic"))
+        if is_constant(self.stiffness) and not self.stiffness > 0.0:
+            raise InputError(f"support elastic: stiffness = {self.stiffness:g} must be > 0")
+
+    def stiffness_at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """(...) stiffness at points (..., 3), not negative.
+
+        Raises
+        ------
+        InputError
+            If it is negative somewhere.
+        """
+        stiffness = values_at(self.stiffness, points, what=str(self))
+        if stiffness.size and stiffness.min() < 0.0:
+            x, y, z = np.asarray(points, float).reshape(-1, 3)[stiffness.argmin()]
+            raise InputError(
+                f"{self}: stiffness {self.stiffness!r} is {stiffness.min():g} at "
+                f"({x:.6g}, {y:.6g}, {z:.6g}): it must not be negative"
+            )
+        return stiffness
+
+
+def checked_freedoms(freedoms: str, kind: str) -> str:
+    """The letters in the order x y z r, each once."""
+    wrong = [letter for letter in freedoms if letter not in FREEDOMS]
+    if wrong or not freedoms or len(set(freedoms)) < len(freedoms):
+        raise InputError(
+            f'support {kind}: freedoms "{freedoms}" must be different letters of "{FREEDOMS}" '
+            "(x y z translations, r rotation about the edge)"
+        )
+    return "".join(letter for letter in FREEDOMS if letter in freedoms)
+
+
+def _checked_axes(axes: Any) -> tuple[tuple[float, ...], ...]:
+    """Three unit vectors at right angles, as given up to their lengths."""
+    try:
+        rows = np.array(axes, dtype=float)
+    except (TypeError, ValueError):
+        rows = np.zeros(0)
+    if rows.shape != (3, 3) or not np.isfinite(rows).all() or not np.linalg.norm(rows, axis=1).all():
+        raise InputError(
+            f"support fixed: axes = {axes!r}: must be three vectors, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+        )
+    rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+    skew = np.abs(rows @ rows.T - np.eye(3)).max()
+    if skew > 1e-6:
+        raise InputError(
+            f"support fixed: axes are not at right angles to each other (cosine up to {skew:.2g}): "
+            "give vectors that are"
+        )
+    return tuple(map(tuple, rows.tolist()))
+
+
+def _require_matching_value(freedoms: str, value: Any) -> None:
+    """A translation can only be prescribed where it is held."""
+    if value is None or callable(value):
+        return
+    vector = value if isinstance(value, tuple) else (0.0, 0.0, value)
+    for axis, part in zip("xyz", vector, strict=True):
+        if axis not in freedoms and not (is_constant(part) and part == 0.0):
+            raise InputError(
+                f'support fixed: value prescribes a translation along {axis}, which "{freedoms}" does '
+                f"not hold: add {axis} to the freedoms or make that component 0"
+            )
+
+
+SUPPORTS: dict[str, type[Any]] = {
+    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, Fixed, Elastic)
+}

@@ -1,0 +1,267 @@
+"""Scenes as TOML files, and the dicts they hold."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from kshell.errors import InputError
+from kshell.material.laminate import Layer
+from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
+from kshell.scene.imperfection import Imperfection
+from kshell.scene.loads import LOADS
+from kshell.scene.options import SolveOptions
+from kshell.scene.places import as_point
+from kshell.scene.scene import Scene
+from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
+from kshell.values.naming import listing, suggestion
+from kshell.values.validation import unknown_key
+
+# key of the file: argument of Scene
+SIMPLE_KEYS = ("title", "mesh_size", "mesh_order", "thickness", "offset", "direction")
+KEYS = [
+    "title",
+    "mesh",
+    "geometry",
+    *SIMPLE_KEYS[1:],
+    "layer",
+    "material",
+    "chart",
+    "imperfection",
+    "support",
+    "load",
+    "probe",
+    "solve",
+]
+NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge)}
+
+
+def load_scene(path: Path, overrides: Sequence[str] = ()) -> Scene:
+    """The scene in a TOML file. See `Scene.load`."""
+    data = read_toml(path)
+    for override in overrides:
+        apply_override(data, override)
+    return scene_from_dict(data, path.parent, path.name)
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The tables of a TOML file.
+
+    Raises
+    ------
+    InputError
+        If there is no such file or it is not TOML; the message has the line.
+    """
+    if not path.exists():
+        near = [p.name for p in path.parent.glob("*.toml")] if path.parent.is_dir() else []
+        hint = suggestion(path.name, near)
+        raise InputError(f"{path}: no such file. {hint}".rstrip())
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except IsADirectoryError:
+        raise InputError(f"{path}: is a folder: give a scene file, .toml") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: is not text: a scene file is TOML in UTF-8") from None
+    except PermissionError:
+        raise InputError(f"{path}: may not be read: check its permissions") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+
+
+def apply_override(data: dict[str, Any], override: str) -> None:
+    """Replace one value in place: "material.E=70e9", "load.0.value=2000", 'title="x"'.
+
+    The value is written as in TOML; what is not TOML is taken as text.
+    """
+    key, equals, text = override.partition("=")
+    parts = key.strip().split(".")
+    if not equals or not all(parts):
+        raise InputError(
+            f'--set {override}: write KEY=VALUE, for example "material.E=70e9" or "load.0.value=2000"'
+        )
+    try:
+        value = tomllib.loads(f"value = {text.strip()}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    table: Any = data
+    for depth, part in enumerate(parts[:-1]):
+        table = _entry(table, part, override, parts[:depth])
+    last = parts[-1]
+    if isinstance(table, list):
+        table[_index(table, last, override, parts[:-1])] = value
+    elif isinstance(table, dict):
+        table[last] = value
+    else:
+        raise InputError(f'--set {override}: "{".".join(parts[:-1])}" is {table!r} and has no keys')
+
+
+def _entry(table: Any, part: str, override: str, above: list[str]) -> Any:
+    if isinstance(table, list):
+        return table[_index(table, part, override, above)]
+    if isinstance(table, dict):
+        return table.setdefault(part, {})
+    raise InputError(f'--set {override}: "{".".join(above)}" is {table!r} and has no keys')
+
+
+def _index(items: list[Any], part: str, override: str, above: list[str]) -> int:
+    if not part.isdigit() or int(part) >= len(items):
+        raise InputError(
+            f'--set {override}: "{".".join(above)}" is a list of {len(items)}: '
+            f'"{part}" must be a number from 0 to {len(items) - 1}'
+        )
+    return int(part)
+
+
+def scene_from_dict(data: Mapping[str, Any], folder: Path, source: str) -> Scene:
+    """The scene in a dict with the keys of a scene file. See `Scene.from_dict`."""
+    for key in data:
+        if key not in KEYS:
+            raise InputError(f"{source}: {unknown_key(key, KEYS)}")
+    arguments = {key: data[key] for key in SIMPLE_KEYS if key in data}
+    if "mesh" not in data:
+        raise InputError(f'{source}: mesh is missing: give the path of the mesh, e.g. mesh = "plate.msh"')
+    for key in ("mesh", "geometry"):
+        if key in data:
+            path = data[key]
+            arguments[key] = folder / path if isinstance(path, str | Path) and path else path
+    if "material" in data:
+        with _inside(f"{source}, [material]", "material: "):
+            arguments["material"] = material_from_dict(_table(data["material"]))
+    if "layer" in data:
+        arguments["layers"] = _each(data["layer"], "layer", source, layer_from_dict)
+    if "chart" in data:
+        with _inside(f"{source}, [chart]"):
+            arguments["chart"] = chart_from_dict(_table(data["chart"]))
+    if "imperfection" in data:
+        with _inside(f"{source}, [imperfection]", "imperfection: "):
+            arguments["imperfection"] = imperfection_from_dict(_table(data["imperfection"]), folder)
+    arguments["supports"] = _each(data.get("support", []), "support", source, support_from_dict)
+    arguments["loads"] = _each(data.get("load", []), "load", source, load_from_dict)
+    arguments["probes"] = _probes(data.get("probe", []), source)
+    with _inside(f"{source}, [solve]", "[solve]: "):
+        arguments["solve"] = SolveOptions(**_table(data.get("solve", {})))
+    with _inside(source, "scene: "):
+        return Scene(**arguments)
+
+
+def material_from_dict(data: Mapping[str, Any]) -> Any:
+    """Isotropic, Orthotropic or Anisotropic, told apart by the keys."""
+    if "C" in data:
+        return Anisotropic(**data)
+    if {"E1", "E2", "nu12", "G12"} & set(data):
+        return Orthotropic(**data)
+    if {"E", "nu", "lame_lambda", "lame_mu"} & set(data):
+        return Isotropic(**data)
+    raise InputError(
+        f"keys {listing(data)}: a material has E and nu, or lame_lambda and lame_mu, "
+        "or E1, E2, nu12 and G12 (and angle), or C; and density"
+    )
+
+
+def layer_from_dict(data: dict[str, Any]) -> Layer:
+    """A layer: material keys, thickness and angle."""
+    layer = {key: data.pop(key) for key in ("thickness", "angle") if key in data}
+    return Layer(material=material_from_dict(data), **layer)
+
+
+def chart_from_dict(data: dict[str, Any]) -> Any:
+    """A ready chart: its kind and constants."""
+    from kshell.geometry import ready_chart
+
+    if "kind" not in data:
+        raise InputError('kind is missing: for example kind = "cylinder" with R = 25.0')
+    return ready_chart(data.pop("kind"), **data)
+
+
+def imperfection_from_dict(data: dict[str, Any], folder: Path) -> Imperfection:
+    """An imperfection; a relative path is relative to the folder."""
+    found = Imperfection(**data)
+    return found if found.file is None else Imperfection(**{**data, "file": folder / found.file})
+
+
+def support_from_dict(data: dict[str, Any]) -> Any:
+    """A support: `kind`, or `fix`, or `stiffness`, with `on`."""
+    kind = data.pop("kind", None)
+    exact = [key for key in ("fix", "stiffness", "freedoms") if key in data]
+    if kind is not None:
+        if kind not in NAMED_SUPPORTS:
+            hint = suggestion(str(kind), NAMED_SUPPORTS)
+            raise InputError(
+                f"kind = {kind!r}: {hint}the kinds are {listing(NAMED_SUPPORTS)}; "
+                'for exact freedoms write fix = "xzr", for springs stiffness = 1e6'
+            )
+        if exact:
+            raise InputError(f'kind = "{kind}" and {exact[0]} given: leave one of them out')
+        return NAMED_SUPPORTS[kind](**data)
+    if "fix" in data and "freedoms" in data:
+        raise InputError("fix and freedoms given: they mean the same, leave one of them out")
+    if "fix" in data:
+        data["freedoms"] = data.pop("fix")
+    if "stiffness" in data:
+        return Elastic(**data)
+    if not exact:
+        raise InputError(
+            f'how is missing: give kind ({listing(NAMED_SUPPORTS)}), or fix = "xzr", or stiffness = 1e6'
+        )
+    return Fixed(**data)
+
+
+def load_from_dict(data: dict[str, Any]) -> Any:
+    """A load: `kind` and the keys of that kind."""
+    kind = data.pop("kind", None)
+    if kind is None:
+        raise InputError(f"kind is missing: one of {listing(LOADS)}")
+    if kind not in LOADS:
+        raise InputError(f"kind = {kind!r}: {suggestion(str(kind), LOADS)}the kinds are {listing(LOADS)}")
+    return LOADS[kind](**data)
+
+
+def _probes(blocks: Any, source: str) -> dict[str, Any]:
+    probes: dict[str, Any] = {}
+
+    def add(data: dict[str, Any]) -> None:
+        for key in data:
+            if key not in ("name", "at"):
+                raise InputError(unknown_key(key, ["name", "at"]))
+        missing = [key for key in ("name", "at") if key not in data]
+        if missing:
+            raise InputError(f"{missing[0]} is missing: a probe has a name and at = [x, y, z]")
+        if not isinstance(data["name"], str) or not data["name"]:
+            raise InputError(f"name = {data['name']!r}: must be text")
+        if data["name"] in probes:
+            raise InputError(f'the name "{data["name"]}" is taken by an earlier probe: give another')
+        try:
+            probes[data["name"]] = as_point(data["at"])
+        except ValueError as error:
+            raise InputError(f"at = {data['at']!r}: {error}") from None
+
+    _each(blocks, "probe", source, add)
+    return probes
+
+
+def _each(blocks: Any, name: str, source: str, make: Callable[[dict[str, Any]], Any]) -> list[Any]:
+    if not isinstance(blocks, list):
+        raise InputError(f"{source}: write [[{name}]] with double brackets: there may be several")
+    made = []
+    for number, block in enumerate(blocks, start=1):
+        with _inside(f"{source}, [[{name}]] {number}"):
+            made.append(make(dict(_table(block))))
+    return made
+
+
+def _table(value: Any) -> dict[str, Any]:
+    if not isinstance(value, Mapping):
+        raise InputError(f"{value!r} must be a table of keys")
+    return dict(value)
+
+
+@contextmanager
+def _inside(where: str, instead_of: str = "") -> Iterator[None]:
+    """Say in which file and block an error was found, in place of what it says itself."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where}: {str(error).removeprefix(instead_of)}") from None

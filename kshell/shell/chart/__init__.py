@@ -1,0 +1,1 @@
+"""The Koiter energy with Argyris elements on a chart."""

@@ -1,0 +1,227 @@
+"""The Argyris element on a chart as the words of a scene need it. See `kshell.shell.koiter.discretisation`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.select import Selection
+from kshell.shell.chart import loads as chart_loads
+from kshell.shell.chart.energy import ChartKoiter
+from kshell.shell.chart.recovery import ChartRecovery, principal_curvature
+from kshell.shell.chart.supports import ChartSupports
+from kshell.shell.chart.surface import ChartLike, ChartSurface, jets_of_basis
+from kshell.shell.koiter.discretisation import AXIS, USE_KOITER, OfPlace
+from kshell.shell.koiter.supports import Reduction
+from kshell.shell.section import Section
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+
+class ArgyrisDiscretisation:
+    """Argyris elements on the parameter plane of a chart.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In the parameter plane.
+    chart : Chart
+
+    Attributes
+    ----------
+    surface : ChartSurface
+    unknowns : int
+    loads : module
+        Functions that turn values into forces on the unknowns.
+    """
+
+    name = "argyris"
+    loads = chart_loads
+
+    def __init__(self, mesh: Mesh, chart: ChartLike) -> None:
+        if mesh.midpoints is not None:
+            straight = mesh.points[mesh.edges].mean(axis=1)
+            if np.abs(mesh.midpoints - straight).max() > 1e-9 * mesh.size:
+                raise InputError(
+                    f"{mesh.source}: edges of the parameter mesh are curved (order 2), the Argyris element on a chart "
+                    f"takes straight ones: mesh with order 1, or {USE_KOITER}"
+                )
+        self.surface = ChartSurface(mesh, chart)
+        self.unknowns = self.surface.unknowns
+
+    def energy(self, section: Section) -> ChartKoiter:
+        """The energy with a cross-section."""
+        return ChartKoiter(self.surface, section)
+
+    def conditions(self) -> ArgyrisConditions:
+        """Empty conditions on the motion."""
+        return ArgyrisConditions(self.surface)
+
+    def recovery(
+        self, energy: ChartKoiter, x: Floats, finite: bool = False, memory: object = None
+    ) -> ChartRecovery:
+        """Values of a solution inside triangles."""
+        return ChartRecovery(energy, x, finite)
+
+    def interior_points(self, triangles: Ints) -> tuple[Floats, Floats]:
+        """Quadrature points (n, q, 3) of triangles in space and weights (n, q) with the area element."""
+        surface = self.surface
+        return np.moveaxis(surface.positions[:, triangles], 0, 2), surface.area_elements[
+            triangles
+        ] * surface.weights
+
+    def patches(self) -> tuple[Ints, Floats]:
+        """(triangle,) one smooth piece, and (triangle, 3) equal weights of the corners."""
+        count = len(self.surface.mesh.triangles)
+        return np.zeros(count, dtype=np.int64), np.ones((count, 3))
+
+    def largest_curvature(self) -> Floats:
+        """(triangle,) largest principal curvature in size."""
+        return principal_curvature(self.surface)
+
+    def extent(self) -> tuple[Floats, float]:
+        """Centre (3,) and size of the shell."""
+        x = self._vertices()[0]
+        low, high = x.min(axis=0), x.max(axis=0)
+        return 0.5 * (low + high), float(np.linalg.norm(high - low))
+
+    def _vertices(self) -> tuple[Floats, Floats, Floats]:
+        u, v = self.surface.mesh.points[:, :2].T
+        x, x_a, x_ab = self.surface.chart.derivatives(u, v, order=2)
+        return x, x_a, x_ab
+
+    def rigid_motions(self, centre: Floats, size: float, moved: Floats | None = None) -> Floats:
+        """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre.
+
+        Turns are those of the shell at rest, or of the shell moved by (unknowns,) `moved`.
+        """
+        mesh = self.surface.mesh
+        x, x_a, x_ab = self._vertices()
+        jets = np.concatenate([(x - centre)[:, None], x_a, x_ab[:, [0, 0, 1], [0, 1, 1]]], axis=1) / size
+        ends = mesh.points[mesh.edges][:, :, :2]
+        along = ends[:, 1] - ends[:, 0]
+        normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+        slopes = self.surface.chart.derivatives(*ends.mean(axis=1).T, order=1)[1]
+        across = np.einsum("ea,eax->ex", normal, slopes) / size
+        result = np.zeros((self.unknowns, 6))
+        at_vertices = 18 * len(mesh.points)
+        if moved is not None:
+            jets = jets + moved[:at_vertices].reshape(jets.shape) / size
+            across = across + moved[at_vertices:].reshape(across.shape) / size
+        for axis in range(3):
+            result[axis:at_vertices:18, axis] = 1.0
+            e = np.eye(3)[axis]
+            result[:at_vertices, 3 + axis] = np.cross(e, jets).ravel()
+            result[at_vertices:, 3 + axis] = np.cross(e, across).ravel()
+        return result
+
+    def vertex_of_unknown(self) -> Ints:
+        """(unknowns,) the vertex of each unknown, one end for those of edges."""
+        mesh = self.surface.mesh
+        return np.concatenate([np.repeat(np.arange(len(mesh.points)), 18), np.repeat(mesh.edges[:, 0], 3)])
+
+    def translation_row(self, triangle: int, xi: Floats, axis: int) -> Floats:
+        """(unknowns,) whose product with x is a component of the displacement at a reference point (2,)."""
+        row = np.zeros(self.unknowns)
+        shape = self.surface.shape(jets_of_basis(xi[None])[:1], np.array([triangle]))
+        row[3 * self.surface.scalar[triangle].astype(np.int64) + axis] = shape[0, 0, 0]
+        return row
+
+    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """Stiffness of springs along an axis, or against the rotation about an edge.
+
+        Raises
+        ------
+        InputError
+            For rotation springs elsewhere than on curves.
+        """
+        surface = self.surface
+        if letter == "r":
+            return self._rotation_spring(chosen, stiffness, what)
+        axis = AXIS[letter]
+        if chosen.dimension == 0:
+            unknowns = 18 * chosen.members.astype(np.int64)[:, None] + axis
+            k = stiffness(self._vertices()[0][chosen.members])
+            return self._scatter(unknowns, k[:, None, None])
+        if chosen.dimension == 1:
+            parts = []
+            for triangles, points, weights, shape in chart_loads.values_on_edges(surface, chosen.members):
+                weighted = (weights * stiffness(points))[..., None] * shape
+                blocks = np.matmul(shape.swapaxes(1, 2), weighted)
+                parts.append(self._scatter(3 * surface.scalar[triangles].astype(np.int64) + axis, blocks))
+            return sum(parts[1:], parts[0])
+        points, weight = self.interior_points(chosen.members)
+        shape = surface.shape(surface.tables[:1], chosen.members)[0]
+        blocks = np.matmul(shape.swapaxes(1, 2), (weight * stiffness(points))[..., None] * shape)
+        return self._scatter(3 * surface.scalar[chosen.members].astype(np.int64) + axis, blocks)
+
+    def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """The turn about an edge is n . du/dmu, mu the conormal."""
+        if chosen.dimension != 1:
+            raise InputError(
+                f"{what}: a rotation spring needs a curve, its rotation is the one about it; '{chosen.label}' is a "
+                f"{'point' if chosen.dimension == 0 else 'surface'}"
+            )
+        parts = []
+        for triangles, points, weights, n, slope in chart_loads.slopes(self.surface, chosen.members):
+            # (triangle, q, 63), component by component as the unknowns of a triangle
+            turn = np.concatenate([n[m][..., None] * slope for m in range(3)], axis=2)
+            blocks = np.matmul(turn.swapaxes(1, 2), (weights * stiffness(points))[..., None] * turn)
+            parts.append(self._scatter(self.surface.triangle_unknowns[triangles].astype(np.int64), blocks))
+        return sum(parts[1:], parts[0])
+
+    def _scatter(self, unknowns: NDArray[np.int64], blocks: Floats) -> sp.csr_matrix:
+        n = unknowns.shape[1]
+        where = (np.repeat(unknowns, n, axis=1).ravel(), np.tile(unknowns, (1, n)).ravel())
+        return sp.csr_matrix((blocks.ravel(), where), shape=(self.unknowns, self.unknowns))
+
+
+class ArgyrisConditions:
+    """Conditions on the motion of a chart surface, from selections of a mesh."""
+
+    def __init__(self, surface: ChartSurface) -> None:
+        self.surface = surface
+        self.kernel = ChartSupports(surface)
+
+    def translations(self, chosen: Selection, letters: str, value: OfPlace, axes: Any = None) -> None:
+        """Hold the components named by letters, in own axes (3, 3) if given, of vertices, edges or triangles."""
+        for letter in letters:
+            axis = np.eye(3)[AXIS[letter]] if axes is None else np.array(axes["xyz".index(letter)])
+
+            def along(x: Floats, axis: Floats = axis) -> Floats:
+                return value(x) @ axis
+
+            if chosen.dimension == 0:
+                self.kernel.at_vertices(chosen.members, axis, along)
+            elif chosen.dimension == 1:
+                self.kernel.along_edges(chosen.members, axis, along)
+            else:
+                self.kernel.over_triangles(chosen.members, axis, along)
+
+    def rotations(self, chosen: Selection, what: str) -> None:
+        """Hold the rotation about edges."""
+        if chosen.dimension == 0:
+            raise InputError(
+                f"{what}: a point of a shell has no rotation of its own to hold; hold its translations, for example "
+                "with simply_supported, or clamp a short edge"
+            )
+        if chosen.dimension == 2:
+            raise InputError(
+                f"{what}: the smooth functions of Argyris elements on a chart would not bend at all if no edge of a "
+                f"surface may turn: hold the rotation on curves, or {USE_KOITER}"
+            )
+        self.kernel.rotation(chosen.members)
+
+    def symmetry(self, edges: Ints) -> None:
+        """A plane of symmetry through edges."""
+        self.kernel.symmetry(edges)
+
+    def reduction(self) -> Reduction:
+        """The motions left."""
+        return self.kernel.reduction()

@@ -1,0 +1,73 @@
+"""Membrane forces, moments, rotations and energies of a solution with Argyris elements on a chart."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.shell.chart.energy import ChartKoiter
+from kshell.shell.chart.surface import ChartSurface, jets_of_basis
+from kshell.shell.frames import components, covariant_to_frame, tangent_frame
+from kshell.shell.koiter.recovery import Resultants, chart_resultants, finite_rotation
+from kshell.shell.vectors import cross, dot, norm
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+
+def _geometry(first: Floats) -> tuple[Floats, Floats]:
+    """Normal (3, ...) and reciprocal tangents (2, 3, ...)."""
+    normal = cross(first[0], first[1])
+    j = norm(normal)
+    n = normal / j
+    return n, np.stack([cross(first[1], n) / j, cross(n, first[0]) / j])
+
+
+class ChartRecovery:
+    """Values of a solution inside triangles.
+
+    Parameters
+    ----------
+    energy : ChartKoiter
+    x : (unknowns,)
+    finite : bool
+        Whether strains and rotations are finite, not those to first order.
+    """
+
+    def __init__(self, energy: ChartKoiter, x: Floats, finite: bool = False) -> None:
+        self.energy, self.surface, self.x, self.finite = energy, energy.surface, x, finite
+
+    def _jets(self, points: Floats, triangles: Ints) -> Floats:
+        """Value and derivatives by the reference coordinates of the displacement: (3, 3, triangle, point)."""
+        shape = self.surface.shape(jets_of_basis(points)[:3], triangles)
+        return np.einsum("dtqj,xtj->dxtq", shape, self.surface.local(self.x, triangles))
+
+    def resultants(self, points: Floats, triangles: Ints) -> Resultants:
+        """N, M and strains at reference points (point, 2) of triangles."""
+        return chart_resultants(self.energy, self.x, points, triangles, self.finite)
+
+    def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+        """Displacement and rotation vector n x dn + 1/2 n (n . curl u), each (triangle, point, 3)."""
+        _, first, _ = self.surface.geometry(points, triangles)
+        u = self._jets(points, triangles)
+        if self.finite:
+            return np.moveaxis(u[0], 0, 2), finite_rotation(first, first + u[1:])
+        n, reciprocal = _geometry(first)
+        change = -(dot(n, u[1]) * reciprocal[0] + dot(n, u[2]) * reciprocal[1])
+        drill = 0.5 * dot(n, cross(reciprocal[0], u[1]) + cross(reciprocal[1], u[2]))
+        return np.moveaxis(u[0], 0, 2), np.moveaxis(cross(n, change) + n * drill, 0, 2)
+
+    def energies(self) -> tuple[Floats, Floats]:
+        """Membrane and bending energy of each triangle, 1/2 N . E and 1/2 M . kappa."""
+        strain = self.energy.strain(self.x) if self.finite else self.energy.linear_strain(self.x)
+        work = (0.5 * strain * self.energy.stress(strain)).reshape(len(strain), -1, 6)
+        return work[..., :3].sum(axis=(1, 2)), work[..., 3:].sum(axis=(1, 2))
+
+
+def principal_curvature(surface: ChartSurface) -> Floats:
+    """(triangle,) largest principal curvature, in size, at the quadrature points."""
+    e1, e2, n = tangent_frame(surface.first)
+    b = np.stack([dot(n, surface.second[v]) for v in range(3)])
+    b11, b22, b12 = np.einsum("vwtq,wtq->vtq", covariant_to_frame(components(surface.first, e1, e2)), b)
+    middle, radius = 0.5 * (b11 + b22), np.hypot(0.5 * (b11 - b22), 0.5 * b12)
+    return (np.abs(middle) + radius).max(axis=1)

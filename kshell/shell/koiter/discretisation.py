@@ -1,0 +1,264 @@
+"""The Koiter element on a mesh as the words of a scene need it: places of conditions, loads, springs, rigid motion.
+
+`kshell.shell.chart.discretisation` does the same for the Argyris element on a chart; what builds a problem
+from a scene works with either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.errors import InputError
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.select import Selection
+from kshell.shell.koiter import loads
+from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.loads import edge_table, surface_points
+from kshell.shell.koiter.recovery import Resultants, displacement, energies, resultants
+from kshell.shell.koiter.supports import Reduction, Supports
+from kshell.shell.koiter.surface import Surface
+from kshell.shell.koiter.topology import largest_curvature, smooth_patches
+from kshell.shell.reactions import rotation_axes
+from kshell.shell.reference import lagrange
+from kshell.shell.section import Section
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+OfPlace = Callable[[Floats], Floats]
+
+# neighbours that meet at a smaller angle belong to one smooth patch; flat facets of a curved surface meet at some
+FOLD = np.radians(10.0)
+FACET = np.radians(35.0)
+USE_KOITER = 'take element = "koiter", which works on charts too'
+AXIS = {"x": 0, "y": 1, "z": 2}
+
+
+class KoiterDiscretisation:
+    """Koiter elements of order p.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In space, or in the parameter plane of a chart.
+    order : 1, 2 or 3
+    lift : function or None
+        From parameters to the chart.
+    hinges : (n,) int array
+        Edges about which the sheets turn freely.
+    offsets : (node, 3), optional
+        By which the nodes are moved.
+
+    Attributes
+    ----------
+    surface : Surface
+    unknowns : int
+    loads : module
+        Functions that turn values into forces on the unknowns.
+    """
+
+    name = "koiter"
+    loads = loads
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        order: int,
+        lift: Callable[[Floats], Floats] | None,
+        hinges: Ints,
+        offsets: Floats | None = None,
+    ) -> None:
+        self.surface = Surface(mesh, order, lift, hinges, offsets)
+        self.order = order
+        self.unknowns = self.surface.unknowns
+
+    def energy(self, section: Section) -> Koiter:
+        """The energy with a cross-section."""
+        return Koiter(self.surface, section)
+
+    def conditions(self) -> KoiterConditions:
+        """Empty conditions on the motion."""
+        return KoiterConditions(self.surface)
+
+    def interior_points(self, triangles: Ints) -> tuple[Floats, Floats]:
+        """Quadrature points (n, q, 3) of triangles in space and weights (n, q) with the area element."""
+        ref = self.surface.reference
+        return surface_points(self.surface, triangles), self.surface.area_elements[triangles] * ref.weights
+
+    def recovery(self, energy: Koiter, x: Floats, finite: bool = False, memory: Any = None) -> KoiterRecovery:
+        """Values of a solution inside triangles."""
+        return KoiterRecovery(energy, x, finite, memory)
+
+    @property
+    def true_shape(self) -> bool:
+        """Whether the triangles follow a curved surface: of order 2, or on a chart."""
+        return self.surface.mesh.order == 2 or self.surface.nodes is not self.surface.flat_nodes
+
+    def patches(self) -> tuple[Ints, Floats]:
+        """(triangle,) smooth piece of each triangle, and (triangle, 3) angles at the corners."""
+        return smooth_patches(self.surface, FOLD if self.true_shape else FACET), self.surface.corner_angles
+
+    def largest_curvature(self) -> Floats:
+        """(triangle,) largest principal curvature in size."""
+        return (
+            largest_curvature(self.surface) if self.order > 1 else np.zeros(len(self.surface.mesh.triangles))
+        )
+
+    def rigid_motions(self, centre: Floats, size: float, moved: Floats | None = None) -> Floats:
+        """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre.
+
+        Turns are those of the shell at rest, or of the shell moved by (unknowns,) `moved`.
+        """
+        surface = self.surface
+        result = np.zeros((self.unknowns, 6))
+        u = np.zeros_like(surface.nodes) if moved is None else surface.split(moved)[0]
+        arm = (surface.nodes + u - centre) / size
+        for axis in range(3):
+            result[axis : surface.rotation_start : 3, axis] = 1.0
+            turn = np.cross(np.eye(3)[axis], arm)
+            result[: surface.rotation_start, 3 + axis] = turn.ravel()
+        result[surface.rotation_start :, 3:] = rotation_axes(surface, u) / size
+        return result
+
+    def extent(self) -> tuple[Floats, float]:
+        """Centre (3,) and size of the shell."""
+        low, high = self.surface.nodes.min(axis=0), self.surface.nodes.max(axis=0)
+        return 0.5 * (low + high), float(np.linalg.norm(high - low))
+
+    def vertex_of_unknown(self) -> Ints:
+        """(unknowns,) some vertex of the triangles that each unknown belongs to."""
+        surface = self.surface
+        result = np.zeros(self.unknowns, dtype=np.int64)
+        result[surface.triangle_unknowns] = surface.mesh.triangles[:, :1]
+        return result
+
+    def translation_row(self, triangle: int, xi: Floats, axis: int) -> Floats:
+        """(unknowns,) whose product with x is a component of the displacement at a reference point (2,)."""
+        row = np.zeros(self.unknowns)
+        nodes = self.surface.triangle_nodes[triangle].astype(np.int64)
+        row[3 * nodes + axis] = lagrange(self.order, xi[None])[0]
+        return row
+
+    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """Stiffness of springs along an axis, or against the rotation about an edge.
+
+        Raises
+        ------
+        InputError
+            For rotation springs elsewhere than on curves.
+        """
+        surface = self.surface
+        if letter == "r":
+            return self._rotation_spring(chosen, stiffness, what)
+        if chosen.dimension == 0:
+            nodes = chosen.members.astype(np.int64)
+            k = stiffness(surface.nodes[nodes])
+            return self._scatter(nodes[:, None], k[:, None, None], AXIS[letter])
+        if chosen.dimension == 1:
+            nodes, shape, weight, points = edge_table(surface, chosen.members, surface.order + 1)
+            blocks = np.einsum("eq,eqi,eqj->eij", weight * stiffness(points), shape, shape)
+            return self._scatter(nodes, blocks, AXIS[letter])
+        points, weight = self.interior_points(chosen.members)
+        shape = surface.reference.values
+        blocks = np.einsum("tq,qi,qj->tij", weight * stiffness(points), shape, shape)
+        return self._scatter(surface.triangle_nodes[chosen.members], blocks, AXIS[letter])
+
+    def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        if chosen.dimension != 1:
+            raise InputError(
+                f"{what}: a rotation spring needs a curve, its rotation is the one about it; '{chosen.label}' is a "
+                f"{'point' if chosen.dimension == 0 else 'surface'}"
+            )
+        surface, p = self.surface, self.surface.order
+        _, _, weight, points = edge_table(surface, chosen.members, p)
+        triangle, local = surface.mesh.edge_owner[chosen.members].T
+        place = p * local[:, None] + np.arange(p)
+        unknowns = surface.rotation_start + surface.triangle_rotations[triangle[:, None], place]
+        diagonal = np.zeros(self.unknowns)
+        np.add.at(diagonal, unknowns, weight * stiffness(points))
+        return sp.diags(diagonal).tocsr()
+
+    def _scatter(self, nodes: Ints, blocks: Floats, axis: int) -> sp.csr_matrix:
+        n = nodes.shape[1]
+        unknowns = 3 * nodes.astype(np.int64) + axis
+        place = (np.repeat(unknowns, n, axis=1).ravel(), np.tile(unknowns, (1, n)).ravel())
+        return sp.csr_matrix((blocks.ravel(), place), shape=(self.unknowns, self.unknowns))
+
+
+class KoiterConditions:
+    """Conditions on the motion of a Koiter surface, from selections of a mesh."""
+
+    def __init__(self, surface: Surface) -> None:
+        self.surface = surface
+        self.kernel = Supports(surface)
+
+    def translations(self, chosen: Selection, letters: str, value: OfPlace, axes: Any = None) -> None:
+        """Hold the components named by letters, in own axes (3, 3) if given, at nodes of vertices, edges, triangles."""
+        surface = self.surface
+        if chosen.dimension == 0:
+            nodes: Any = chosen.members
+        elif chosen.dimension == 1:
+            nodes = surface.nodes_of_edges(chosen.members)
+        else:
+            nodes = surface.nodes_of_triangles(chosen.members)
+        values = value(surface.nodes[nodes])
+        if axes is None:
+            self.kernel.translation(nodes, letters, values)
+            return
+        for letter in letters:
+            axis = np.array(axes["xyz".index(letter)])
+            self.kernel.along(nodes, axis, values @ axis)
+
+    def rotations(self, chosen: Selection, what: str) -> None:
+        """Hold the rotation about edges, in a surface about all of its edges."""
+        if chosen.dimension == 0:
+            raise InputError(
+                f"{what}: a point of a shell has no rotation of its own to hold; hold its translations, for example "
+                "with simply_supported, or clamp a short edge"
+            )
+        edges = chosen.members
+        if chosen.dimension == 2:
+            edges = np.unique(self.surface.mesh.triangle_edges[chosen.members])
+        self.kernel.rotation(edges)
+
+    def symmetry(self, edges: Ints) -> None:
+        """A plane of symmetry through edges."""
+        self.kernel.symmetry(edges)
+
+    def reduction(self) -> Reduction:
+        """The motions left."""
+        return self.kernel.reduction()
+
+
+class KoiterRecovery:
+    """Values of a solution inside triangles.
+
+    Parameters
+    ----------
+    koiter : Koiter
+    x : (unknowns,)
+    finite : bool
+        Whether strains and rotations are finite, not those to first order.
+    memory : Directors, optional
+        Of a finite state.
+    """
+
+    def __init__(self, koiter: Koiter, x: Floats, finite: bool = False, memory: Any = None) -> None:
+        self.koiter, self.x, self.finite = koiter, x, finite
+        self.strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
+
+    def resultants(self, points: Floats, triangles: Ints) -> Resultants:
+        """N, M and strains at reference points (point, 2) of triangles."""
+        return resultants(self.koiter, self.strain, points, triangles)
+
+    def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+        """Displacement and rotation vector, each (triangle, point, 3)."""
+        return displacement(self.koiter.surface, self.x, points, triangles, self.finite)
+
+    def energies(self) -> tuple[Floats, Floats]:
+        """Membrane and bending energy of each triangle."""
+        return energies(self.koiter, self.strain)

@@ -1,0 +1,169 @@
+"""From (w, w_x, w_y) at the vertices to the unknowns of the element.
+
+Morley takes the deflection, and for the edges the mean of the normal derivatives at their ends. Argyris needs
+second derivatives besides: those of the least-squares fit of the gradients at the neighbours. Both reproduce
+quadratic deflections.
+
+Symbols
+-------
+T     reduction of the space, u = T q
+W     diagonal weights that make all degrees of freedom u comparable: 1, h^2, h^4 for w, grad w, hess w
+Q     left inverse of T: (T^T W T)^-1 T^T W
+H     second derivatives (w_xx, w_xy, w_yy) at vertices from gradients
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from kshell.solvers.multigrid.cloud import Cloud
+from kshell.solvers.multigrid.interpolate import block_matrix, split_rows
+from kshell.solvers.system import Floats, PlateSpace
+
+SWEEPS = 4  # of Jacobi's method for T^T W T, which is diagonal but for a few boundary vertices
+
+
+def element_interpolation(space: PlateSpace, cloud: Cloud) -> Any:
+    """The unknowns of the element from the admissible (w, w_x, w_y) of the vertices.
+
+    Returns
+    -------
+    (unknowns, 3 active vertices) BSR matrix of 1 x 3 blocks
+    """
+    import scipy.sparse as sp
+
+    size = np.zeros(len(space.points))
+    np.add.at(size, space.edges.ravel(), np.repeat(space.lengths, 2))
+    size /= np.maximum(np.bincount(space.edges.ravel(), minlength=len(size)), 1)
+    if space.element == "morley":
+        full, scale = _morley(space, sp), np.concatenate([np.ones(len(size)), space.lengths])
+    else:
+        full = _argyris(space, sp)
+        per_vertex = np.stack([np.ones_like(size), size, size, size**2, size**2, size**2], axis=1)
+        scale = np.concatenate([per_vertex.ravel(), space.lengths])
+
+    result = _left_inverse(space.reduction, scale**2, full, sp)
+    column = result.indices
+    if not cloud.active.all():
+        keep = cloud.active[column]
+        pointer = np.concatenate([[0], np.cumsum(keep)])[result.indptr].astype(np.int32)
+        column, data = column[keep], result.data[keep]
+    else:
+        pointer, data = result.indptr, result.data
+    turned = np.flatnonzero(~cloud.plain[column])
+    data[turned] = data[turned] @ cloud.columns[column[turned]]
+    shape = (result.shape[0], 3 * int(cloud.active.sum()))
+    return sp.bsr_matrix((data, cloud.number[column].astype(np.int32), pointer), shape=shape)
+
+
+def _left_inverse(reduction: Any, weight: Floats, full: Any, sp: Any) -> Any:
+    """Q times the interpolation of all degrees of freedom."""
+    weighted = (sp.diags(weight) @ reduction).T.tocsr()
+    gram = (weighted @ reduction).tocsr()
+    diagonal = gram.diagonal()
+    rhs = _rows_as_blocks(weighted, sp) @ full
+    inverse = 1.0 / diagonal
+    rest = (gram - sp.diags(diagonal)).tocsr()
+    rest.data[np.abs(rest.data) < 1e-12 * diagonal.max()] = 0.0
+    rest.eliminate_zeros()
+    result = rhs.copy()
+    _scale_rows(result, inverse)
+    if rest.nnz:
+        rest = _rows_as_blocks(rest, sp)
+        for _ in range(SWEEPS):
+            result = rhs - rest @ result
+            _scale_rows(result, inverse)
+    return result
+
+
+def _rows_as_blocks(matrix: Any, sp: Any) -> Any:
+    return sp.bsr_matrix((matrix.data[:, None, None], matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def _scale_rows(matrix: Any, factor: Floats) -> None:
+    matrix.data *= np.repeat(factor, np.diff(matrix.indptr))[:, None, None]
+
+
+def _edge_rows(space: PlateSpace, at_lower: Floats, at_higher: Floats, sp: Any) -> Any:
+    """(edge, 3 vertices) BSR: a row (1, 3) for the lower vertex of each edge and one for the higher."""
+    blocks = np.stack([at_lower, at_higher], axis=1).reshape(-1, 1, 3)
+    pointer = np.arange(0, 2 * len(space.edges) + 1, 2, dtype=np.int32)
+    columns = space.edges.ravel().astype(np.int32)
+    return sp.bsr_matrix((blocks, columns, pointer), shape=(len(space.edges), 3 * len(space.points)))
+
+
+def _mean_normal_derivative(space: PlateSpace, sp: Any) -> Any:
+    """(edge, 3 vertices): n.(g_a + g_b)/2."""
+    half = np.zeros((len(space.edges), 3))
+    half[:, 1:] = 0.5 * space.edge_normals
+    return _edge_rows(space, half, half, sp)
+
+
+def _morley(space: PlateSpace, sp: Any) -> Any:
+    n = len(space.points)
+    value = np.zeros((n, 1, 3))
+    value[:, 0, 0] = 1.0
+    values = sp.bsr_matrix(
+        (value, np.arange(n, dtype=np.int32), np.arange(n + 1, dtype=np.int32)), shape=(n, 3 * n)
+    )
+    return _stack(values, _mean_normal_derivative(space, sp), sp)
+
+
+def _argyris(space: PlateSpace, sp: Any) -> Any:
+    n = len(space.points)
+    hessian = fitted_hessian(space, sp)
+    # vertex rows: the values themselves, then the second derivatives, in turn
+    identity = sp.bsr_matrix(
+        (np.tile(np.eye(3), (n, 1, 1)), np.arange(n), np.arange(n + 1)), shape=(3 * n, 3 * n)
+    )
+    both = _stack(split_rows(identity), split_rows(hessian), sp)
+    order = np.arange(6 * n).reshape(2, n, 3).transpose(1, 0, 2).ravel()
+
+    # the derivative along an edge is cubic: at its middle (g_a + g_b)/2 + L/8 d_t (g_a - g_b)
+    (nx, ny), length = space.edge_normals.T, space.lengths
+    tx, ty = -ny, nx
+    twist = (length / 8.0)[:, None] * np.stack([nx * tx, nx * ty + ny * tx, ny * ty], axis=1)
+    edges = _mean_normal_derivative(space, sp) + _edge_rows(space, twist, -twist, sp) @ hessian
+    return _stack(_take_rows(both, order, sp), edges, sp)
+
+
+def fitted_hessian(space: PlateSpace, sp: Any) -> Any:
+    """H: at each vertex the second derivatives that fit the differences of gradients along its edges best.
+
+    For the edge d from vertex v to u:   (d_x w_xx + d_y w_xy, d_x w_xy + d_y w_yy) = g_u - g_v,
+    weighted with 1/|d|^2. Returned as BSR matrix (3 vertices, 3 vertices) of 3 x 3 blocks.
+    """
+    n = len(space.points)
+    start = np.concatenate([space.edges[:, 0], space.edges[:, 1]])
+    end = np.concatenate([space.edges[:, 1], space.edges[:, 0]])
+    d = (space.points[end] - space.points[start]) / np.tile(space.lengths, 2)[:, None]
+    rows = np.zeros((len(d), 2, 3))
+    rows[:, 0, 0] = rows[:, 1, 1] = d[:, 0]
+    rows[:, 0, 1] = rows[:, 1, 2] = d[:, 1]
+    normal = np.zeros((n, 3, 3))
+    np.add.at(normal, start, rows.transpose(0, 2, 1) @ rows)
+    share = np.linalg.inv(normal)[start] @ rows.transpose(0, 2, 1) / np.tile(space.lengths, 2)[:, None, None]
+    blocks = np.zeros((len(d) + n, 3, 3))
+    blocks[: len(d), :, 1:] = share
+    np.subtract.at(blocks[len(d) :, :, 1:], start, share)
+    vertices = np.arange(n)
+    return block_matrix(np.concatenate([start, vertices]), np.concatenate([end, vertices]), blocks, n, n, sp)
+
+
+def _stack(above: Any, below: Any, sp: Any) -> Any:
+    """One BSR matrix of 1 x 3 blocks above another (scipy's vstack would lose the blocks)."""
+    pointer = np.concatenate([above.indptr, above.indptr[-1] + below.indptr[1:]])
+    indices, data = np.concatenate([above.indices, below.indices]), np.concatenate([above.data, below.data])
+    return sp.bsr_matrix((data, indices, pointer), shape=(above.shape[0] + below.shape[0], above.shape[1]))
+
+
+def _take_rows(matrix: Any, order: Any, sp: Any) -> Any:
+    """Rows of a BSR matrix of 1 x 3 blocks in another order."""
+    count = np.diff(matrix.indptr)[order]
+    pointer = np.concatenate([[0], np.cumsum(count)])
+    place = np.arange(pointer[-1]) + np.repeat(matrix.indptr[order] - pointer[:-1], count)
+    return sp.bsr_matrix(
+        (matrix.data[place], matrix.indices[place], pointer), shape=(len(order), matrix.shape[1])
+    )

@@ -1,0 +1,139 @@
+"""Factorisations of many symmetric matrices with one pattern: what depends on the pattern alone is done once.
+
+Each class is made from the pattern, compressed columns of the lower triangle (SuperLU: of the whole matrix), and
+turns entries into a `Factor`. A factor serves until the next one is made from the same pattern.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.solvers.backends import Singular
+from kshell.solvers.system import Floats
+
+Ints = NDArray[np.integer]
+
+# digits of a pivot, against the largest, below which PARDISO changes it. Its own choice of 8 would change
+# the bending stiffness of shells thinner than 1e-4 of an element.
+PARDISO_PIVOT_DIGITS = 15
+
+
+class Factor(NamedTuple):
+    """A factorised symmetric matrix.
+
+    Attributes
+    ----------
+    solve : callable
+        (n,) or (n, load) to the same.
+    count_negative : callable
+        The number of negative eigenvalues, by the signs of the pivots.
+    definite : bool
+        Whether it is known to be positive definite without counting.
+    """
+
+    solve: Callable[[Any], Any]
+    count_negative: Callable[[], int]
+    definite: bool = False
+
+    @property
+    def negative(self) -> int:
+        """Negative eigenvalues."""
+        return self.count_negative()
+
+
+def _none() -> int:
+    return 0
+
+
+class Cholmod:
+    """Cholesky factors by CHOLMOD; `Singular` where the matrix is not positive definite."""
+
+    def __init__(self, indptr: Ints, indices: Ints) -> None:
+        from cvxopt import cholmod, spmatrix
+        from cvxopt import matrix as dense
+
+        n = len(indptr) - 1
+        column = np.repeat(np.arange(n, dtype=np.int64), np.diff(indptr))
+        self._matrix = spmatrix(1.0, dense(indices.astype(np.int64)), dense(column), (n, n))
+        self._symbolic = cholmod.symbolic(self._matrix, uplo="L")
+        self._cholmod, self._dense = cholmod, dense
+
+    def factorise(self, entries: Floats) -> Factor:
+        self._matrix.V = self._dense(entries)
+        try:
+            self._cholmod.numeric(self._matrix, self._symbolic)
+        except ArithmeticError as error:
+            raise Singular(f"CHOLMOD: the pivot of unknown {error} is not positive") from error
+        return Factor(self._solve, _none, True)
+
+    def _solve(self, rhs: Floats) -> Floats:
+        x = self._dense(np.asfortranarray(rhs))
+        self._cholmod.solve(self._symbolic, x)
+        return np.array(x).reshape(rhs.shape)
+
+
+class Pardiso:
+    """L D L^T by PARDISO with pivots of one or two unknowns, also of indefinite matrices."""
+
+    def __init__(self, indptr: Ints, indices: Ints) -> None:
+        from pypardiso import PyPardisoSolver
+
+        n = len(indptr) - 1
+        # compressed columns of the lower triangle are compressed rows of the upper one
+        self._matrix = sp.csr_matrix((np.ones(len(indices)), indices, indptr), shape=(n, n))
+        self._solver = PyPardisoSolver(mtype=-2)
+        self._solver.set_iparm(1, 1)  # the numbers below hold, not the defaults
+        self._solver.set_iparm(2, 2)  # nested dissection
+        self._solver.set_iparm(10, PARDISO_PIVOT_DIGITS)
+        self._solver.set_iparm(21, 1)  # Bunch and Kaufman
+        self._analysed = False
+        weakref.finalize(self, self._solver.free_memory, True)
+
+    def factorise(self, entries: Floats) -> Factor:
+        from pypardiso.pardiso_wrapper import PyPardisoError
+
+        self._matrix.data = entries
+        self._solver.set_phase(22 if self._analysed else 12)
+        try:
+            self._solver._call_pardiso(self._matrix, np.zeros((self._matrix.shape[0], 1)))
+        except PyPardisoError as error:
+            if error.value not in (-4, -7):
+                raise
+            raise Singular(f"PARDISO: zero pivot (error {error.value})") from error
+        self._analysed = True
+        if self._solver.get_iparm(14) > 0:
+            raise Singular("PARDISO: pivots of the size of rounding")
+        negative = int(self._solver.get_iparm(23))
+        return Factor(self._solve, lambda: negative)
+
+    def _solve(self, rhs: Floats) -> Floats:
+        self._solver.set_phase(33)
+        x = self._solver._call_pardiso(self._matrix, np.asfortranarray(rhs))
+        return np.asarray(x).reshape(rhs.shape)
+
+
+class SuperLU:
+    """LU by SuperLU with pivots on the diagonal, in the order of the unknowns: they should come well ordered."""
+
+    def __init__(self, indptr: Ints, indices: Ints) -> None:
+        n = len(indptr) - 1
+        self._matrix = sp.csc_matrix((np.ones(len(indices)), indices, indptr), shape=(n, n))
+
+    def factorise(self, entries: Floats) -> Factor:
+        from scipy.sparse.linalg import splu
+
+        self._matrix.data = entries
+        options = {"SymmetricMode": True}
+        try:
+            lu: Any = splu(self._matrix, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=options)
+        except RuntimeError as error:
+            if "singular" not in str(error):
+                raise
+            raise Singular(str(error)) from error
+        return Factor(lu.solve, lambda: int(np.sum(lu.U.diagonal() < 0)))

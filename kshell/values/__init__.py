@@ -1,0 +1,1 @@
+"""Expressions, checked numbers and names: what scene, material and geometry share."""

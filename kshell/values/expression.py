@@ -1,0 +1,263 @@
+"""Formulas written by users, such as "1 - x/2", parsed safely into numpy or sympy.
+
+The text is parsed by Python's own parser and then only what stands on the lists below is let through:
+numbers, the given variables, pi and e, arithmetic, comparisons, `a if condition else b`, and calls of the
+listed functions. Nothing is ever handed to `eval`; there are no attributes, subscripts or strings.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import reduce
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kshell.errors import InputError
+from kshell.values.naming import listing, suggestion
+
+LONGEST_TEXT = 2000
+DEEPEST_NESTING = 150
+LARGEST_POWER = 300.0  # decimal digits of a constant power: 9**9**9 is refused before it is computed
+
+CONSTANTS = {"pi": math.pi, "e": math.e}
+
+# name: (fewest arguments, most arguments, numpy function); None: any number of arguments
+FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
+    "sin": (1, 1, np.sin),
+    "cos": (1, 1, np.cos),
+    "tan": (1, 1, np.tan),
+    "asin": (1, 1, np.arcsin),
+    "acos": (1, 1, np.arccos),
+    "atan": (1, 1, np.arctan),
+    "atan2": (2, 2, np.arctan2),
+    "sinh": (1, 1, np.sinh),
+    "cosh": (1, 1, np.cosh),
+    "tanh": (1, 1, np.tanh),
+    "asinh": (1, 1, np.arcsinh),
+    "acosh": (1, 1, np.arccosh),
+    "atanh": (1, 1, np.arctanh),
+    "exp": (1, 1, np.exp),
+    "log": (1, 1, np.log),
+    "log10": (1, 1, np.log10),
+    "sqrt": (1, 1, np.sqrt),
+    "abs": (1, 1, np.abs),
+    "sign": (1, 1, np.sign),
+    "floor": (1, 1, np.floor),
+    "ceil": (1, 1, np.ceil),
+    "hypot": (2, 2, np.hypot),
+    "min": (2, None, lambda *a: reduce(np.minimum, a)),
+    "max": (2, None, lambda *a: reduce(np.maximum, a)),
+    "where": (3, 3, np.where),
+}
+
+ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+COMPARISONS: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+}
+HINTS: dict[type, str] = {
+    ast.BitXor: 'write "**" for a power, "^" is not one',
+    ast.FloorDiv: 'write floor(a / b) instead of "//"',
+    ast.Mod: 'write a - b*floor(a/b) instead of "%"',
+    ast.Attribute: "there are no attributes: write sin(x), not np.sin(x) or math.sin(x)",
+    ast.Subscript: "there is no indexing",
+    ast.Constant: "only numbers are constants",
+    ast.Lambda: "there are no functions to define",
+}
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A formula in named variables that has been checked and can be evaluated on arrays.
+
+    Parameters
+    ----------
+    text : str
+        For example "1 - x/2" or "1000 if hypot(x, y) < 0.1 else 0".
+    names : sequence of str
+        The variables, in the order in which `__call__` takes their values.
+
+    Raises
+    ------
+    InputError
+        If the text is not a formula or uses anything that is not allowed; the message shows the part.
+    """
+
+    text: str
+    names: tuple[str, ...] = ("x", "y", "z")
+    tree: ast.expr = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "names", tuple(self.names))
+        tree = _parse(self.text)
+        _Checker(self.text, self.names).check(tree, 0)
+        object.__setattr__(self, "tree", tree)
+
+    def __call__(self, *values: ArrayLike) -> NDArray[np.float64]:
+        """Values of the formula, broadcast over the values of the variables.
+
+        Where the formula has no value the result is NaN or infinite; the caller says where that is.
+        """
+        arrays = [np.asarray(v, dtype=np.float64) for v in values]
+        variables = dict(zip(self.names, arrays, strict=True))
+        with np.errstate(all="ignore"):
+            result = _evaluate(self.tree, variables)
+        return np.array(
+            np.broadcast_to(np.asarray(result, float), np.broadcast_shapes(*(a.shape for a in arrays)))
+        )
+
+
+def symbolic(text: str, names: Sequence[str]) -> Any:
+    """The same formula as a sympy expression in real symbols of the given names, without `eval`.
+
+    Raises
+    ------
+    InputError
+        As `Expression`, and for constant powers of more than 300 digits.
+    """
+    from kshell.values.symbolic import to_sympy
+
+    return to_sympy(Expression(text, tuple(names)))
+
+
+def _parse(text: str) -> ast.expr:
+    if not isinstance(text, str) or not text.strip():
+        raise InputError("an empty text is not an expression: write a number or a formula in x, y, z")
+    if len(text) > LONGEST_TEXT:
+        raise InputError(
+            f'expression "{text[:40]}..." is {len(text)} characters long, more than {LONGEST_TEXT}: '
+            "give a Python function instead"
+        )
+    try:
+        return ast.parse(text.strip(), mode="eval").body
+    except SyntaxError as error:
+        place = f" at character {error.offset}" if error.offset else ""
+        raise InputError(f'expression "{_shortened(text)}": not a formula{place} ({error.msg})') from None
+    except (ValueError, MemoryError, RecursionError):
+        raise InputError(
+            f'expression "{text[:40]}...": not a formula (unreadable or nested too deeply)'
+        ) from None
+
+
+class _Checker:
+    """Walks the parsed text once and refuses all that is not on the lists above."""
+
+    def __init__(self, text: str, names: tuple[str, ...]) -> None:
+        self.text, self.names = text.strip(), names
+
+    def refuse(self, node: ast.AST, why: str) -> InputError:
+        part = ast.get_source_segment(self.text, node) or ""
+        place = f', at "{_shortened(part)}"' if part and part != self.text else ""
+        return InputError(f'expression "{_shortened(self.text)}"{place}: {why}')
+
+    def check(self, node: ast.AST, depth: int) -> None:
+        if depth > DEEPEST_NESTING:
+            raise self.refuse(node, f"nested more than {DEEPEST_NESTING} deep")
+        match node:
+            case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+                if not _is_finite(value):
+                    raise self.refuse(node, "the number is too large")
+            case ast.Name(id=name):
+                self.check_name(node, name)
+            case ast.BinOp(op=op) if type(op) in ARITHMETIC:
+                pass
+            case ast.UnaryOp(op=ast.UAdd() | ast.USub() | ast.Not()):
+                pass
+            case ast.Compare(ops=ops) if all(type(op) in COMPARISONS for op in ops):
+                pass
+            case ast.BoolOp() | ast.IfExp():
+                pass
+            case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]):
+                self.check_call(node, name, arguments)
+            case _:
+                inner = getattr(node, "op", node)
+                func = getattr(node, "func", None)
+                kind = type(func) if func is not None else type(inner)
+                raise self.refuse(
+                    node, HINTS.get(kind, "only arithmetic and the usual functions are allowed")
+                )
+        for child in _operands(node):
+            self.check(child, depth + 1)
+
+    def check_name(self, node: ast.AST, name: str) -> None:
+        known = [*self.names, *CONSTANTS]
+        if name in FUNCTIONS and name not in known:
+            raise self.refuse(node, f'"{name}" is a function: write {name}(...)')
+        if name not in known:
+            hint = suggestion(name, [*known, *FUNCTIONS])
+            raise self.refuse(node, f'unknown name "{name}": {hint}the names are {listing(known)}')
+
+    def check_call(self, node: ast.AST, name: str, arguments: list[ast.expr]) -> None:
+        if name not in FUNCTIONS:
+            hint = suggestion(name, FUNCTIONS)
+            raise self.refuse(
+                node, f'unknown function "{name}": {hint}the functions are {listing(FUNCTIONS, 30)}'
+            )
+        fewest, most, _ = FUNCTIONS[name]
+        if len(arguments) < fewest or (most is not None and len(arguments) > most):
+            wanted = f"{fewest}" if fewest == most else f"at least {fewest}"
+            noun = "argument" if wanted == "1" else "arguments"
+            raise self.refuse(node, f"{name} takes {wanted} {noun}, not {len(arguments)}")
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= 80 else text[:60] + "..."
+
+
+def _is_finite(value: int | float) -> bool:
+    try:
+        return math.isfinite(float(value))
+    except OverflowError:
+        return False
+
+
+def _operands(node: ast.AST) -> list[ast.expr]:
+    """The sub-formulas of a checked node; operators and the names of functions are not among them."""
+    if isinstance(node, ast.Call):
+        return node.args
+    return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
+
+
+def _evaluate(node: ast.expr, variables: dict[str, Any]) -> Any:
+    match node:
+        case ast.Constant(value=int() | float() as constant):
+            return np.float64(constant)
+        case ast.Name(id=name):
+            return variables[name] if name in variables else np.float64(CONSTANTS[name])
+        case ast.BinOp(left=left, op=op, right=right):
+            # booleans count as 0 and 1: (x > 0.5) * 1000
+            return ARITHMETIC[type(op)](*(np.asarray(_evaluate(n, variables), float) for n in (left, right)))
+        case ast.UnaryOp(op=ast.Not(), operand=operand):
+            return np.logical_not(_evaluate(operand, variables))
+        case ast.UnaryOp(op=op, operand=operand):
+            number = np.asarray(_evaluate(operand, variables), float)
+            return -number if isinstance(op, ast.USub) else number
+        case ast.Compare(left=left, ops=ops, comparators=others):
+            terms = [_evaluate(n, variables) for n in (left, *others)]
+            pairs = [COMPARISONS[type(op)](a, b) for op, a, b in zip(ops, terms, terms[1:], strict=False)]
+            return reduce(np.logical_and, pairs)
+        case ast.BoolOp(op=op, values=values):
+            join = np.logical_and if isinstance(op, ast.And) else np.logical_or
+            return reduce(join, [_evaluate(n, variables) for n in values])
+        case ast.IfExp(test=test, body=body, orelse=orelse):
+            return np.where(*(_evaluate(n, variables) for n in (test, body, orelse)))
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            values_ = [np.asarray(_evaluate(n, variables), float) for n in arguments]
+            return FUNCTIONS[name][2](*values_)
+    raise AssertionError(f"{type(node).__name__} passed the check but cannot be evaluated")

@@ -1,0 +1,103 @@
+import sys
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.draw.plot import PICTURES
+from kshell.draw.scene_plot import plot_scene
+from tests.scene.fabricated import fabricated_result, scene_on, square_mesh
+
+
+@pytest.fixture(scope="module", params=[1, 2], ids=["order 1", "order 2"])
+def result(request):
+    return fabricated_result(square_mesh(4, order=request.param))
+
+
+@pytest.mark.parametrize("what", PICTURES)
+def test_pictures(result, what, tmp_path):
+    figure = result.plot(what)
+    figure.savefig(tmp_path / "picture.png", dpi=60)
+    assert (tmp_path / "picture.png").stat().st_size > 4000
+    axes = figure.axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x", "y")
+    assert axes.get_aspect() == 1.0
+    assert axes.get_title() == "Steel plate"
+    if what != "mesh":
+        assert "from" in figure.axes[1].get_ylabel()  # the colour bar says what and its range
+
+
+def test_colours_of_both_signs_have_white_at_zero():
+    image = fabricated_result().plot("moment_xy").axes[0].collections[0]
+    assert image.norm.vmin == -image.norm.vmax
+
+
+def test_all_supports_and_loads_are_drawn_and_named():
+    mesh = square_mesh(6)
+    scene = scene_on(
+        mesh,
+        supports=[
+            ks.Clamped("left"),
+            ks.SimplySupported(["bottom", "top"]),
+            ks.Free("right"),
+            ks.Symmetry("top"),
+            ks.Fixed((0.5, 0.5, 0), "z"),
+            ks.Elastic("west", 1e5),
+            ks.Elastic("right", 1e5),
+        ],
+        loads=[
+            ks.Pressure("x - 0.5"),
+            ks.Traction((1, 0, 0), "east"),
+            ks.Gravity((0, 0, 0)),
+            ks.EdgeMoment("right", 3.0),
+            ks.PointMoment((1, 1, 0), (1, 1, 0)),
+            ks.Temperature(gradient=2, expansion=1e-5),
+            ks.InitialCurvature((1, 0, 0), "east"),
+        ],
+    )
+    figure = plot_scene(mesh, scene, "All")
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert 'clamped on "left"' in words
+    assert 'simply supported on "bottom", "top"' in words
+    assert "fixed on (0.5, 0.5, 0) (z)" in words
+    assert 'pressure everywhere: "x - 0.5" (+z, toward you)' in words
+    assert 'pressure everywhere: "x - 0.5" (-z, away from you)' in words
+    assert 'traction on "east": [1, 0, 0]' in words
+    assert "gravity everywhere: [0, 0, 0] (zero)" in words
+    assert len(words) == 7 + 8
+    figure.canvas.draw()
+    # nothing is cut off: the legend lies inside the picture
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0
+    assert box.y0 >= 0
+    assert box.x1 <= figure.bbox.x1
+
+
+def test_material_axes_are_drawn():
+    mesh = square_mesh(3)
+    carbon = ks.Orthotropic(E1=140.0, E2=10.0, nu12=0.3, G12=5.0, angle=30)
+    alone = plot_scene(mesh, scene_on(mesh, material=carbon))
+    assert "material axis 1: 30 degrees" in [t.get_text() for t in alone.legends[0].get_texts()]
+    layers = [ks.Layer(carbon, 1.0, a) for a in (0, 60, 60, 0)] + [ks.Layer(ks.Isotropic(E=1, nu=0), 1)]
+    stack = plot_scene(mesh, scene_on(mesh, material=None, thickness=None, layers=layers))
+    words = [t.get_text() for t in stack.legends[0].get_texts()]
+    assert "material axis 1 of layer 1, 4: 30 degrees" in words
+    assert "material axis 1 of layer 2, 3: 90 degrees" in words
+
+
+def test_a_mesh_alone():
+    assert plot_scene(square_mesh(3), None).axes[0].get_xlabel() == "x"
+
+
+def test_constant_fields_and_missing_ones():
+    mesh = square_mesh(2)
+    result = fabricated_result(mesh, fields={"displacement": np.zeros((9, 3))})
+    result.plot("deflection").canvas.draw()
+    with pytest.raises(ks.InputError, match="no field"):
+        result.plot("moment_xx")
+    with pytest.raises(ks.InputError, match='did you mean "deflection"'):
+        result.plot("deflexion")
+
+
+def test_pyplot_is_left_alone():
+    assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()

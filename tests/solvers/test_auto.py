@@ -1,0 +1,92 @@
+"""The rule that picks a solver, and memory that is foreseen."""
+
+import re
+
+import pytest
+import scipy.sparse as sp
+
+from kshell.errors import InputError, SolveError
+from kshell.solvers import auto, backends
+from kshell.solvers.auto import MULTIGRID_FROM, choose
+from kshell.solvers.backends import BACKENDS, installed_backends
+from kshell.solvers.memory import _control_group, _meminfo, available_bytes, factorisation_bytes, fits
+
+from .plates import mesh_of, plate, square, stretched
+
+LITTLE = 1e5  # bytes
+
+
+@pytest.fixture(scope="module")
+def problem():
+    return plate(mesh_of(*square(12)), "morley", "clamped")
+
+
+def test_small_systems_are_factorised(problem):
+    choice = choose(problem.assembled.matrix, problem.space, "auto")
+    assert choice.backend is installed_backends()[0]
+    assert "below" in choice.why
+
+
+def test_large_systems_go_to_multigrid(problem, monkeypatch):
+    monkeypatch.setattr(auto, "MULTIGRID_FROM", dict.fromkeys(MULTIGRID_FROM, 100))
+    choice = choose(problem.assembled.matrix, problem.space, "auto")
+    assert choice.backend is None
+    assert "faster" in choice.why
+    thin = plate(mesh_of(*stretched(40, 20)), "morley", "clamped")
+    choice = choose(thin.assembled.matrix, thin.space, "auto")
+    assert choice.backend is not None
+    assert "thinner" in choice.why
+
+
+@pytest.mark.parametrize("method", ["auto", "direct", "superlu"])
+def test_memory_is_foreseen(problem, method):
+    choice = choose(problem.assembled.matrix, problem.space, method, available=LITTLE)
+    assert choice.backend is None
+    assert re.search("would take about .* GB.*multigrid was taken", choice.warnings[0])
+    with pytest.raises(SolveError, match="more memory"):
+        choose(problem.assembled.matrix, None, method, available=LITTLE)
+
+
+def test_without_a_space_it_is_direct(problem):
+    assert choose(problem.assembled.matrix, None, "auto").backend is not None
+    with pytest.raises(InputError, match="Morley and Argyris"):
+        choose(problem.assembled.matrix, None, "multigrid")
+
+
+def test_a_back_end_that_is_missing(problem, monkeypatch):
+    monkeypatch.setattr(backends, "_found", lambda modules: modules == ("scipy",))
+    assert [backend.key for backend in installed_backends()] == ["superlu"]
+    assert choose(problem.assembled.matrix, problem.space, "auto").backend.key == "superlu"
+    with pytest.raises(InputError, match="pip install cvxopt"):
+        choose(problem.assembled.matrix, problem.space, "cholmod")
+
+
+def test_the_table_knows_every_back_end():
+    assert set(MULTIGRID_FROM) == {(e, b.key) for e in ("morley", "argyris") for b in BACKENDS}
+
+
+def test_forecast_covers_a_real_factor():
+    """SuperLU tells the size of its factors (two triangles): the forecast must not be below, nor far above."""
+    problem = plate(mesh_of(*square(60)), "morley", "clamped")
+    a = problem.assembled.matrix
+    factor = sp.linalg.splu(
+        a.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    stored = 12.0 * (factor.L.nnz + factor.U.nnz)
+    assert 0.5 * stored < factorisation_bytes(a.shape[0], a.nnz, "superlu") < 6 * stored
+
+
+def test_memory_readings(tmp_path):
+    (tmp_path / "meminfo").write_text("MemTotal:  2000 kB\nMemAvailable:    1000 kB\n")
+    assert _meminfo(tmp_path / "meminfo") == 1024e3
+    assert _meminfo(tmp_path / "absent") is None
+    assert _control_group(tmp_path) is None
+    (tmp_path / "memory.max").write_text("5000\n")
+    (tmp_path / "memory.current").write_text("1500\n")
+    assert _control_group(tmp_path) == 3500.0
+    (tmp_path / "memory.max").write_text("max\n")
+    assert _control_group(tmp_path) is None
+    here = available_bytes()
+    assert here is None or here > 1e6
+    assert fits(sp.eye(10, format="csr"), "superlu", 1e9)
+    assert not fits(sp.eye(10**5, format="csr"), "superlu", 1e3)
