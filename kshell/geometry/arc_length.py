@@ -1,4 +1,4 @@
-"""The parameter of a curve as a function of its arc length.
+"""The arc length of a curve, and its parameter as a function of it.
 
 Symbols
 -------
@@ -8,20 +8,35 @@ t(s)     its inverse; t' = 1 / |x'|
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kshell.errors import InputError, SolveError
+from kshell.errors import InputError, KshellWarning, SolveError
 from kshell.geometry.components import Floats
+from kshell.geometry.curve_point import CurvePoint, derivatives
+from kshell.geometry.places import parameter_arrays
 from kshell.geometry.quadrature import POINTS
 from kshell.geometry.smooth import Partials, SmoothMap
 
-if TYPE_CHECKING:
-    from kshell.geometry.curve import Curve
-
 MOST_PANELS = 16384
+
+
+def arc_length(curve: SmoothMap, name: str, a: float, b: float) -> float:
+    """Arc length of x(t) from t = a to t = b > a. See `Curve.length`."""
+    from scipy.integrate import quad
+
+    def speed(t: float) -> float:
+        return float(np.linalg.norm(derivatives(curve, name, t, 1)[1]))
+
+    value, error, *_ = quad(speed, a, b, epsabs=0.0, epsrel=1e-12, limit=400, full_output=1)
+    if value <= 1e-14 * np.abs(derivatives(curve, name, [a, b], 0)[0]).max():
+        raise InputError(f"{name} has length zero from t = {a:g} to t = {b:g}: it is a single point")
+    if error > 1e-8 * value:
+        message = f"the length of {name} is only known to a relative {error / value:.1e}: it is not smooth"
+        warnings.warn(KshellWarning(message), stacklevel=3)
+    return float(value)
 
 
 class ArcLengthMap(SmoothMap):
@@ -29,10 +44,10 @@ class ArcLengthMap(SmoothMap):
 
     parameters, components = 1, 1
 
-    def __init__(self, curve: Curve, a: float, b: float) -> None:
-        self.curve = curve
-        self.highest = min(3, curve.map.highest)
-        self.length = curve.length(a, b)
+    def __init__(self, curve: SmoothMap, name: str, a: float, b: float) -> None:
+        self.curve, self.name = curve, name
+        self.highest = min(3, curve.highest)
+        self.length = arc_length(curve, name, a, b)
         panels = 8
         while True:
             self.knots = np.linspace(a, b, panels + 1)
@@ -44,12 +59,12 @@ class ArcLengthMap(SmoothMap):
             panels *= 2
             if panels > MOST_PANELS:
                 raise InputError(
-                    f"{curve.name} has no smooth arc length from t = {a:g} to t = {b:g}: {panels // 2} "
+                    f"{name} has no smooth arc length from t = {a:g} to t = {b:g}: {panels // 2} "
                     f"panels give {self.sums[-1]:.12g}, quadrature {self.length:.12g}; cut it at its corners"
                 )
 
     def _speed(self, t: Floats) -> Floats:
-        return np.asarray(self.curve.at(t).speed)
+        return np.asarray(CurvePoint(self.curve, self.name, *parameter_arrays(("t",), (t,))).speed)
 
     def _panel_length(self, start: Floats, end: Floats) -> Floats:
         """Arc length from each `start` to each `end`, both (n,)."""
@@ -71,7 +86,7 @@ class ArcLengthMap(SmoothMap):
         if outside.any():
             raise InputError(
                 f"arc length s = {s[outside][0]:.9g} is outside [0, {self.length:.9g}], the part of "
-                f"{self.curve.name} that was parametrised"
+                f"{self.name} that was parametrised"
             )
         panel = np.clip(np.searchsorted(self.sums, s, side="right") - 1, 0, len(self.knots) - 2)
         low, high = self.knots[panel], self.knots[panel + 1]
@@ -84,7 +99,7 @@ class ArcLengthMap(SmoothMap):
                 self.sums
             ):
                 return t
-        raise SolveError(f"the arc length of {self.curve.name} could not be inverted to rounding", t)
+        raise SolveError(f"the arc length of {self.name} could not be inverted to rounding", t)
 
     def partials(self, where: Sequence[Floats], order: int) -> Partials:
         self.require(order, "a curve by arc length")
@@ -94,7 +109,7 @@ class ArcLengthMap(SmoothMap):
         if order == 0:
             return out
         # with p = x'.x': t' = p^(-1/2), t'' = -p'/(2 p^2), t''' = (-p''/(2 p^2) + p'^2/p^3) t'
-        _, *d = self.curve.derivatives(t, order=order)
+        _, *d = derivatives(self.curve, self.name, t, order)
         p = np.sum(d[0] * d[0], axis=-1)
         out[1,] = [p**-0.5]
         if order >= 2:

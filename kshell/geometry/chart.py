@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from kshell.errors import InputError
+from kshell.geometry.chart_mesh import mesh_on_chart
 from kshell.geometry.components import Floats, stacked
+from kshell.geometry.curve import Curve
 from kshell.geometry.exact import SymbolicMap, traced
-from kshell.geometry.places import interval, parameter_arrays, refuse_where
+from kshell.geometry.places import Range, interval, parameter_arrays, refuse_where
 from kshell.geometry.quadrature import over_rectangle
 from kshell.geometry.smooth import AffineMap, ComposedMap, GivenMap, SmoothMap
+from kshell.geometry.surface_curve import SurfaceCurve
 from kshell.geometry.surface_point import PARAMETERS, SurfacePoint
-
-if TYPE_CHECKING:
-    from kshell.geometry.curve import Curve
-    from kshell.geometry.surface_curve import SurfaceCurve
-    from kshell.mesh.mesh import Mesh
-
-Range = tuple[float, float]
+from kshell.mesh.mesh import Mesh
 
 
 class Chart:
@@ -190,9 +187,7 @@ class Chart:
         pattern : {"diagonal", "alternate", "crossed"}
             One diagonal per cell, alternating diagonals, or both diagonals with a vertex in the middle.
         """
-        from kshell.geometry.chart_mesh import mesh_on_chart
-
-        return mesh_on_chart(self, n_u, n_v, order, names, *self.ranges(u_range, v_range), pattern)
+        return mesh_on_chart(self, self.name, n_u, n_v, order, names, *self.ranges(u_range, v_range), pattern)
 
     def parameter_mesh(
         self,
@@ -204,18 +199,14 @@ class Chart:
         pattern: str = "diagonal",
     ) -> Mesh:
         """The same triangles flat in the (u, v) plane: the mesh of a scene that is given by a chart."""
-        from kshell.geometry.chart_mesh import mesh_on_chart
-
         flat = Chart(
             SymbolicMap.from_texts(["u", "v", "0"], PARAMETERS), name=f"parameters of the {self.name}"
         )
-        return mesh_on_chart(flat, n_u, n_v, 1, names, *self.ranges(u_range, v_range), pattern)
+        return mesh_on_chart(flat, flat.name, n_u, n_v, 1, names, *self.ranges(u_range, v_range), pattern)
 
     def along(self, path: Curve) -> SurfaceCurve:
         """The curve on the surface over a path in the (u, v) plane."""
-        from kshell.geometry.surface_curve import SurfaceCurve
-
-        return SurfaceCurve(self, path)
+        return SurfaceCurve(self.map, self.name, path)
 
     def moved(self, rotation: ArrayLike, shift: ArrayLike = (0.0, 0.0, 0.0)) -> Chart:
         """The chart rotation @ x + shift. The matrix may be any; a rigid motion needs a rotation."""

@@ -6,20 +6,19 @@ counter-clockwise in the (u, v) plane, so that each triangle has the side of the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.geometry.components import Floats
+from kshell.geometry.places import Range
 from kshell.mesh.mesh import EDGE_VERTICES, Group, Mesh
 
-if TYPE_CHECKING:
-    from kshell.geometry.chart import Chart, Range
-
 Numbers = NDArray[np.int64]
+Points = Callable[[Floats, Floats], Floats]  # (..., 3) places at parameters u, v
 
 PATTERNS = ("diagonal", "alternate", "crossed")
 SURFACE_GROUP = "surface"
@@ -29,7 +28,8 @@ MOST_TRIANGLES = 20_000_000
 
 
 def mesh_on_chart(
-    chart: Chart,
+    x: Points,
+    name: str,
     n_u: int,
     n_v: int,
     order: int,
@@ -38,7 +38,7 @@ def mesh_on_chart(
     v_range: Range,
     pattern: str,
 ) -> Mesh:
-    """The mesh that `Chart.mesh` describes.
+    """The mesh that `Chart.mesh` describes, of the surface with the points x(u, v) and a name for messages.
 
     Raises
     ------
@@ -50,46 +50,42 @@ def mesh_on_chart(
     grid_u, grid_v = np.meshgrid(
         np.linspace(*u_range, n_u + 1), np.linspace(*v_range, n_v + 1), indexing="ij"
     )
-    grid = chart(grid_u, grid_v)  # (i, j, xyz)
+    grid = x(grid_u, grid_v)  # (i, j, xyz)
     size = float(np.linalg.norm(np.ptp(grid.reshape(-1, 3), axis=0)))
     if size == 0.0:
-        raise InputError(f"{chart.name}: the whole range is one point, {grid[0, 0]}")
+        raise InputError(f"{name}: the whole range is one point, {grid[0, 0]}")
 
     sides = {"u0": grid[0], "u1": grid[-1], "v0": grid[:, 0], "v1": grid[:, -1]}
-    collapsed = {side: bool(np.ptp(x, axis=0).max() <= COINCIDENT * size) for side, x in sides.items()}
+    collapsed = {side: bool(np.ptp(row, axis=0).max() <= COINCIDENT * size) for side, row in sides.items()}
     glued = {
         axis: _coincide(sides[axis + "0"], sides[axis + "1"], size) and not collapsed[axis + "0"]
         for axis in "uv"
     }
     for axis, count in (("u", n_u), ("v", n_v)):
         if glued[axis] and count < 3:
-            raise InputError(
-                f"{chart.name} closes up along {axis}: it needs at least 3 cells there, not {count}"
-            )
+            raise InputError(f"{name} closes up along {axis}: it needs at least 3 cells there, not {count}")
         if collapsed[axis + "0"] and collapsed[axis + "1"] and count < 2:
-            raise InputError(
-                f"{chart.name} has a pole on both sides of {axis}: it needs at least 2 cells there"
-            )
+            raise InputError(f"{name} has a pole on both sides of {axis}: it needs at least 2 cells there")
 
     number = _glue(np.arange(grid_u.size).reshape(grid_u.shape), glued, collapsed)
     corners, u, v = _cells(number, grid_u, grid_v, pattern)
     points = grid.reshape(-1, 3)
     if pattern == "crossed":
-        points = np.concatenate([points, chart(u[:, 2], v[:, 2])[::4]])
+        points = np.concatenate([points, x(u[:, 2], v[:, 2])[::4]])
     real = (corners != np.roll(corners, 1, axis=1)).all(axis=1)  # no corner twice
     corners, u, v = corners[real], u[real], v[real]
     used, inverse = np.unique(corners, return_inverse=True)
     triangles: NDArray[np.int32] = inverse.reshape(-1, 3).astype(np.int32)
     points = points[used]
     mesh = Mesh(points, triangles)
-    _refuse_flat(chart, mesh, size, u, v)
+    _refuse_flat(name, mesh, size, u, v)
 
     renumber = np.full(int(number.max()) + 1, -1)
     on_grid = used <= number.max()
     renumber[used[on_grid]] = np.flatnonzero(on_grid)
     groups = _groups(mesh, renumber[number], glued, collapsed, names)
-    midpoints = _midpoints(chart, mesh, u, v, u_range, v_range, collapsed) if order == 2 else None
-    return Mesh(points, triangles, midpoints, groups, _notes(chart, glued, collapsed), chart.name)
+    midpoints = _midpoints(x, mesh, u, v, u_range, v_range, collapsed) if order == 2 else None
+    return Mesh(points, triangles, midpoints, groups, _notes(name, glued, collapsed), name)
 
 
 def _check(n_u: int, n_v: int, order: int, names: Sequence[str | None], pattern: str) -> None:
@@ -154,12 +150,12 @@ def _gather(corner_arrays: list[Any], cut: list[tuple[int, int, int]]) -> Any:
     return per_cell.reshape(-1, 3)
 
 
-def _refuse_flat(chart: Chart, mesh: Mesh, size: float, u: Floats, v: Floats) -> None:
+def _refuse_flat(name: str, mesh: Mesh, size: float, u: Floats, v: Floats) -> None:
     flat = np.flatnonzero(mesh.areas <= SMALLEST_AREA * size**2)
     if len(flat):
         at = flat[0]
         raise InputError(
-            f"{chart.name}: {len(flat)} triangles have no area, the first near u = {u[at].mean():.6g}, "
+            f"{name}: {len(flat)} triangles have no area, the first near u = {u[at].mean():.6g}, "
             f"v = {v[at].mean():.6g}: the chart is singular there or the range far too thin"
         )
 
@@ -189,7 +185,7 @@ def _groups(
 
 
 def _midpoints(
-    chart: Chart, mesh: Mesh, u: Floats, v: Floats, u_range: Range, v_range: Range, collapsed: dict[str, bool]
+    x: Points, mesh: Mesh, u: Floats, v: Floats, u_range: Range, v_range: Range, collapsed: dict[str, bool]
 ) -> Floats:
     """(edge, 3) points of the chart halfway along each edge in the parameters.
 
@@ -206,11 +202,11 @@ def _midpoints(
             for end in range(2):
                 middle_v = np.where(ends_u[..., end] == u_range[k], ends_v[..., 1 - end], middle_v)
     midpoints = np.empty((len(mesh.edges), 3))
-    midpoints[mesh.triangle_edges] = chart(middle_u, middle_v)
+    midpoints[mesh.triangle_edges] = x(middle_u, middle_v)
     return midpoints
 
 
-def _notes(chart: Chart, glued: dict[str, bool], collapsed: dict[str, bool]) -> tuple[str, ...]:
-    notes = [f"{chart.name}: the sides {a}0 and {a}1 coincide and were glued" for a in "uv" if glued[a]]
-    notes += [f"{chart.name}: the side {side} is one point" for side, one in collapsed.items() if one]
+def _notes(name: str, glued: dict[str, bool], collapsed: dict[str, bool]) -> tuple[str, ...]:
+    notes = [f"{name}: the sides {a}0 and {a}1 coincide and were glued" for a in "uv" if glued[a]]
+    notes += [f"{name}: the side {side} is one point" for side, one in collapsed.items() if one]
     return tuple(notes)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from kshell.errors import InputError, KshellWarning, SolveError
+from kshell.errors import InputError, SolveError
+from kshell.geometry.arc_length import ArcLengthMap, arc_length
 from kshell.geometry.components import Floats
-from kshell.geometry.curve_point import CurvePoint
+from kshell.geometry.curve_point import CurvePoint, derivatives
 from kshell.geometry.exact import SymbolicMap, traced
 from kshell.geometry.places import interval, parameter_arrays
 from kshell.geometry.smooth import AffineMap, ComposedMap, GivenMap, SmoothMap
@@ -80,20 +80,7 @@ class Curve:
 
     def derivatives(self, t: ArrayLike, order: int = 1) -> tuple[Floats, ...]:
         """Point and derivatives up to `order`, each (..., 3), without any check of regularity."""
-        (t,) = parameter_arrays(("t",), (t,))
-        self.map.require(order, f"{self.name}: this")
-        partials = self.map.partials((t,), order)
-        out = []
-        for k in range(order + 1):
-            out.append(
-                np.stack([np.broadcast_to(c, t.shape) for c in partials[k,]], axis=-1).astype(np.float64)
-            )
-            if not np.isfinite(out[-1]).all():
-                bad = t[~np.isfinite(out[-1]).all(axis=-1)].flat[0]
-                raise InputError(
-                    f"{self.name} or a derivative is not finite at t = {bad:.9g}: stay inside its domain"
-                )
-        return tuple(out)
+        return derivatives(self.map, self.name, t, order)
 
     def at(self, t: ArrayLike) -> CurvePoint:
         """The differential geometry at parameters t.
@@ -114,22 +101,7 @@ class Curve:
         InputError
             If a >= b, the curve is not finite somewhere, or its length is zero.
         """
-        from scipy.integrate import quad
-
-        a, b = interval("the range of t", (a, b))
-
-        def speed(t: float) -> float:
-            return float(np.linalg.norm(self.derivatives(t, order=1)[1]))
-
-        value, error, *_ = quad(speed, a, b, epsabs=0.0, epsrel=1e-12, limit=400, full_output=1)
-        if value <= 1e-14 * np.abs(self([a, b])).max():
-            raise InputError(f"{self.name} has length zero from t = {a:g} to t = {b:g}: it is a single point")
-        if error > 1e-8 * value:
-            message = (
-                f"the length of {self.name} is only known to a relative {error / value:.1e}: it is not smooth"
-            )
-            warnings.warn(KshellWarning(message), stacklevel=2)
-        return float(value)
+        return arc_length(self.map, self.name, *interval("the range of t", (a, b)))
 
     def by_arc_length(self, a: float, b: float) -> Curve:
         """The part from t = a to t = b as a curve of its arc length s in [0, length].
@@ -139,9 +111,7 @@ class Curve:
         InputError
             If the part has length zero or stands still somewhere.
         """
-        from kshell.geometry.arc_length import ArcLengthMap
-
-        s = ArcLengthMap(self, *interval("the range of t", (a, b)))
+        s = ArcLengthMap(self.map, self.name, *interval("the range of t", (a, b)))
         inner = ComposedMap(self.map, s)
         return Curve(inner, domain=(0.0, s.length), name=f"{self.name} by arc length")
 

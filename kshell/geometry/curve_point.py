@@ -15,15 +15,36 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from kshell.errors import InputError
 from kshell.geometry import components as vec
 from kshell.geometry.components import Component, Floats
-from kshell.geometry.places import refuse_where
+from kshell.geometry.places import parameter_arrays, refuse_where
 from kshell.geometry.smooth import Partials, SmoothMap
 
 # the sine of the angle between x' and x'' below which a point counts as an inflection
 STRAIGHT = 1e-12
+
+
+def derivatives(curve: SmoothMap, name: str, t: ArrayLike, order: int) -> tuple[Floats, ...]:
+    """Point and derivatives of x(t) up to `order`, each (..., 3), without any check of regularity.
+
+    Raises
+    ------
+    InputError
+        If a parameter or a value is not finite, or the order is not known; `name` is that of the curve.
+    """
+    (t,) = parameter_arrays(("t",), (t,))
+    curve.require(order, f"{name}: this")
+    partials = curve.partials((t,), order)
+    out = []
+    for k in range(order + 1):
+        out.append(np.stack([np.broadcast_to(c, t.shape) for c in partials[k,]], axis=-1).astype(np.float64))
+        if not np.isfinite(out[-1]).all():
+            bad = t[~np.isfinite(out[-1]).all(axis=-1)].flat[0]
+            raise InputError(f"{name} or a derivative is not finite at t = {bad:.9g}: stay inside its domain")
+    return tuple(out)
 
 
 class CurvePoint:

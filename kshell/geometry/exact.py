@@ -15,7 +15,6 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 from kshell.errors import InputError
 from kshell.geometry.components import Floats
 from kshell.geometry.smooth import UNLIMITED, Partials, SmoothMap, indices
-from kshell.values.expression import symbolic
 
 # numpy function -> sympy function of the same arguments
 TRACEABLE = {
@@ -56,6 +55,8 @@ class SymbolicMap(SmoothMap):
     ) -> SymbolicMap:
         """From formulas such as "R*cos(u)" in the named parameters and constants."""
         import sympy
+
+        from kshell.values.symbolic import symbolic
 
         constants = dict(constants or {})
         taken = sorted(set(constants) & set(names))

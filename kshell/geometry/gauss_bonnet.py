@@ -22,7 +22,8 @@ from kshell.geometry.exact import SymbolicMap
 from kshell.geometry.quadrature import over_interval
 
 if TYPE_CHECKING:
-    from kshell.geometry.chart import Chart, Range
+    from kshell.geometry.chart import Chart
+    from kshell.geometry.places import Range
 
 CLOSED = 1e-9  # of the size: points nearer than that are one
 SMOOTH = 1e-7  # radians: sides are glued only where the tangent planes agree to that

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from kshell.errors import InputError
 from kshell.geometry.components import Floats
 
+Range = tuple[float, float]
+
 
 def parameter_arrays(names: Sequence[str], values: Sequence[ArrayLike]) -> list[Floats]:
     """The parameters as float arrays of one common shape.
@@ -40,7 +42,7 @@ def parameter_arrays(names: Sequence[str], values: Sequence[ArrayLike]) -> list[
     return arrays
 
 
-def interval(name: str, given: Sequence[float]) -> tuple[float, float]:
+def interval(name: str, given: Sequence[float]) -> Range:
     """A parameter range (a, b) with a < b, both finite."""
     try:
         a, b = (float(x) for x in given)

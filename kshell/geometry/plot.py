@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
-from kshell.geometry.chart import Chart, Range
+from kshell.geometry.chart import Chart
 from kshell.geometry.components import Floats
 from kshell.geometry.curve import Curve
+from kshell.geometry.places import Range
 from kshell.geometry.surface_point import SurfacePoint
 from kshell.mesh.mesh import Mesh
 

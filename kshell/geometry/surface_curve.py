@@ -10,7 +10,6 @@ t_g      geodesic torsion -N' . U / |x'|
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,27 +17,27 @@ from numpy.typing import ArrayLike
 from kshell.geometry.components import Floats
 from kshell.geometry.curve import Curve
 from kshell.geometry.curve_point import CurvePoint
-from kshell.geometry.smooth import ComposedMap
-
-if TYPE_CHECKING:
-    from kshell.geometry.chart import Chart
+from kshell.geometry.places import parameter_arrays
+from kshell.geometry.smooth import ComposedMap, SmoothMap
+from kshell.geometry.surface_point import PARAMETERS, SurfacePoint
 
 
 class SurfaceCurve:
-    """The curve x(u(t), v(t)) on a chart.
+    """The curve x(u(t), v(t)) on a surface. Made by `Chart.along`.
 
     Parameters
     ----------
-    chart : Chart
+    surface : SmoothMap
+        The map x(u, v).
+    name : str
+        Of the surface, for messages.
     path : Curve
         Its x and y are u(t) and v(t).
     """
 
-    def __init__(self, chart: Chart, path: Curve) -> None:
-        self.chart, self.path = chart, path
-        self.curve = Curve(
-            ComposedMap(chart.map, path.map), domain=path.domain, name=f"curve on the {chart.name}"
-        )
+    def __init__(self, surface: SmoothMap, name: str, path: Curve) -> None:
+        self.surface, self.name, self.path = surface, name, path
+        self.curve = Curve(ComposedMap(surface, path.map), domain=path.domain, name=f"curve on the {name}")
 
     def at(self, t: ArrayLike) -> DarbouxPoint:
         """The curve at parameters t. Raises InputError where curve or chart are singular."""
@@ -56,7 +55,8 @@ class DarbouxPoint:
         path = owner.path.derivatives(t, order=1)
         self._direction = path[1][..., :2]
         self.space: CurvePoint = owner.curve.at(t)
-        self.surface = owner.chart.at(path[0][..., 0], path[0][..., 1])
+        u, v = parameter_arrays(PARAMETERS, (path[0][..., 0], path[0][..., 1]))
+        self.surface = SurfacePoint(owner.surface, owner.name, u, v)
 
     @cached_property
     def tangent(self) -> Floats:

@@ -1,8 +1,9 @@
-"""Formulas written by users, such as "1 - x/2", parsed safely into numpy or sympy.
+"""Formulas written by users, such as "1 - x/2", parsed safely.
 
 The text is parsed by Python's own parser and then only what stands on the lists below is let through:
 numbers, the given variables, pi and e, arithmetic, comparisons, `a if condition else b`, and calls of the
 listed functions. Nothing is ever handed to `eval`; there are no attributes, subscripts or strings.
+`kshell.values.symbolic` makes sympy formulas of the same text.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any
@@ -23,7 +24,6 @@ from kshell.values.naming import listing, suggestion
 
 LONGEST_TEXT = 2000
 DEEPEST_NESTING = 150
-LARGEST_POWER = 300.0  # decimal digits of a constant power: 9**9**9 is refused before it is computed
 
 CONSTANTS = {"pi": math.pi, "e": math.e}
 
@@ -121,19 +121,6 @@ class Expression:
         return np.array(
             np.broadcast_to(np.asarray(result, float), np.broadcast_shapes(*(a.shape for a in arrays)))
         )
-
-
-def symbolic(text: str, names: Sequence[str]) -> Any:
-    """The same formula as a sympy expression in real symbols of the given names, without `eval`.
-
-    Raises
-    ------
-    InputError
-        As `Expression`, and for constant powers of more than 300 digits.
-    """
-    from kshell.values.symbolic import to_sympy
-
-    return to_sympy(Expression(text, tuple(names)))
 
 
 def _parse(text: str) -> ast.expr:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import ast
 import math
+from collections.abc import Sequence
 from functools import reduce
 from typing import Any
 
 import sympy
 
 from kshell.errors import InputError
-from kshell.values.expression import LARGEST_POWER, Expression
+from kshell.values.expression import Expression
+
+LARGEST_POWER = 300.0  # decimal digits of a constant power: 9**9**9 is refused before it is computed
 
 FUNCTIONS: dict[str, Any] = {
     "sin": sympy.sin,
@@ -49,8 +52,15 @@ COMPARISONS: dict[type, Any] = {
 }
 
 
-def to_sympy(expression: Expression) -> Any:
-    """A sympy expression in real symbols named as the variables."""
+def symbolic(text: str, names: Sequence[str]) -> Any:
+    """A formula in named variables as a sympy expression in real symbols of those names, without `eval`.
+
+    Raises
+    ------
+    InputError
+        As `Expression`, and for constant powers of more than 300 digits.
+    """
+    expression = Expression(text, tuple(names))
     symbols = {name: sympy.Symbol(name, real=True) for name in expression.names}
     return _number(_convert(expression.tree, symbols, expression.text))
 
