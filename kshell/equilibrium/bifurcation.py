@@ -16,8 +16,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.linear import solve_linear
+from kshell.equilibrium.problem import Problem
 from kshell.errors import SolveError
-from kshell.shell.problem import ShellProblem
 
 Floats = NDArray[np.float64]
 
@@ -42,16 +42,21 @@ class BucklingMode(NamedTuple):
     motion: Floats
 
 
-def buckling_modes(problem: ShellProblem, count: int) -> list[BucklingMode]:
+def buckling_modes(problem: Problem, load: Floats, count: int) -> list[BucklingMode]:
     """The motions with the smallest positive load factors, in their order.
+
+    Parameters
+    ----------
+    load : (unknowns,)
+        All loads at rest, those that turn with the surface too.
+    count : int
 
     Raises
     ------
     SolveError
         If there are fewer, because the loads press nowhere.
     """
-    equilibrium = problem.equilibrium()
-    solution = solve_linear(problem.energy, problem.load, problem.reduction, problem.springs)
+    solution = solve_linear(problem.energy, load, problem.reduction, problem.springs)
     rest, memory = np.zeros(problem.energy.unknowns), problem.energy.rest
     stiffness = problem.energy.energy(rest, 2, memory, np.zeros_like(solution.stress)).hessian
     geometric = problem.energy.energy(rest, 2, memory, solution.stress).hessian - stiffness
@@ -61,7 +66,7 @@ def buckling_modes(problem: ShellProblem, count: int) -> list[BucklingMode]:
     elastic, released = reduce(stiffness), -reduce(geometric)
     if abs(released).max() <= NO_STRESS * abs(elastic).max():
         raise SolveError("no buckling modes: the loads cause no membrane forces")
-    values, vectors = _largest(released, elastic, equilibrium.factorise(stiffness).solve, count)
+    values, vectors = _largest(released, elastic, problem.factorise(stiffness).solve, count)
     found = [
         BucklingMode(1.0 / v, _scaled(basis @ q)) for v, q in zip(values, vectors.T, strict=True) if v > 0
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -14,7 +15,6 @@ from kshell.equilibrium.load_steps import Crossing, March
 from kshell.equilibrium.path import Arc, Critical
 from kshell.equilibrium.problem import State
 from kshell.errors import InputError
-from kshell.shell.koiter.edges import Directors
 
 Saved = Iterator[tuple[March, Critical | None]]
 
@@ -82,13 +82,13 @@ class Checkpoints:
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror}): make room and resume") from None
 
-    def read(self, directors: bool) -> Saved:
+    def read(self, rest: Any) -> Saved:
         """The steps in the folder, in order, up to the first one missing.
 
         Parameters
         ----------
-        directors : bool
-            Whether states have them.
+        rest : object
+            Memory of the rest state, None or a dataclass of arrays: that of the states is of its kind.
 
         Raises
         ------
@@ -107,7 +107,7 @@ class Checkpoints:
                     f"{path}: is a step of another problem: mesh, supports, loads, material or steps differ; give "
                     "another folder, or leave --resume out to start anew"
                 )
-            yield _march(content, directors)
+            yield _march(content, rest)
             number += 1
 
 
@@ -117,35 +117,35 @@ def _state(prefix: str, state: State) -> dict[str, Any]:
         f"{prefix}state": np.array([state.factor, state.iterations, state.negative]),
         f"{prefix}turned": state.turned,
     }
-    if isinstance(state.memory, Directors):
-        for name in ("vectors", "base", "angle"):
-            out[f"{prefix}{name}"] = getattr(state.memory, name)
+    if is_dataclass(state.memory):
+        for part in fields(state.memory):
+            out[f"{prefix}{part.name}"] = getattr(state.memory, part.name)
     return out
 
 
-def _read_state(prefix: str, content: dict[str, Any], directors: bool) -> State:
+def _read_state(prefix: str, content: dict[str, Any], rest: Any) -> State:
     factor, iterations, negative = content[f"{prefix}state"]
     memory = None
-    if directors:
-        memory = Directors(*(content[f"{prefix}{name}"] for name in ("vectors", "base", "angle")))
+    if is_dataclass(rest):
+        memory = type(rest)(**{part.name: content[f"{prefix}{part.name}"] for part in fields(rest)})  # type: ignore[misc]
     x, turned = content[f"{prefix}x"], content[f"{prefix}turned"]
     return State(float(factor), x, memory, int(iterations), int(negative), turned)
 
 
-def _march(content: dict[str, Any], directors: bool) -> tuple[March, Critical | None]:
+def _march(content: dict[str, Any], rest: Any) -> tuple[March, Critical | None]:
     size, moved, rate, attempts, jumps, branched = content["march"]
     crossing = None
     if "crossing" in content:
         steps, factor, negative, length, first = content["crossing"]
         arc = Arc(float(length), float(first), content.get("arc_moved"))
         crossing = Crossing(arc, int(steps), float(factor), int(negative))
-    state = _read_state("", content, directors)
+    state = _read_state("", content, rest)
     march = March(
         state, float(size), float(moved), float(rate), int(attempts), int(jumps), bool(branched), crossing
     )
     if "critical_kind" not in content:
         return march, None
-    where = _read_state("critical_", content, directors)
+    where = _read_state("critical_", content, rest)
     kind, mode = str(content["critical_kind"]), content["critical_mode"]
     then: Any = str(content["critical_then"])
     return march, Critical(kind, where, mode, then)

@@ -18,6 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.solvers.dissection import dissected
 
@@ -59,7 +60,8 @@ class StrainEnergy(ABC):
     blocks : list of slice
         Triangles worked on at a time; they bound the memory of intermediate arrays.
     rest : object
-        What the discretisation keeps of a state besides the unknowns (directors), in the rest state.
+        Memory of the rest state: what the discretisation keeps of a state besides the unknowns (directors). None or a
+        dataclass of arrays; `settle` makes that of other states.
     """
 
     unknowns: int
@@ -83,6 +85,17 @@ class StrainEnergy(ABC):
     @abstractmethod
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         """K times columns (triangle, r, k)."""
+
+    def settle(self, x: Floats, memory: Any, reduction: Reduction) -> tuple[Floats, Any]:
+        """The same state as its memory takes up of it what it can: unknowns (unknowns,) that are left, and memory.
+
+        Nothing where there is no memory.
+        """
+        return x, memory
+
+    def most_moved(self, motion: Floats) -> Floats | None:
+        """(3,) the place in space that a motion (unknowns,) moves most, None where that is not told."""
+        return None
 
     @abstractmethod
     def translation_weights(self) -> Floats:
@@ -127,7 +140,7 @@ class StrainEnergy(ABC):
         x : (unknowns,)
         derivatives : 0, 1 or 2
         memory : object, optional
-            Directors of the state; those of the rest state if absent.
+            Of the state; that of the rest state if absent.
         stress : (triangle, r), optional
             Stress of the second derivative instead of that of the state: the mixed iteration of Magisano,
             Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.

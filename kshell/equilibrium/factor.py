@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.energy import StrainEnergy
 from kshell.equilibrium.reduced import ReducedPattern
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
-from kshell.shell.koiter.supports import Reduction
 from kshell.solvers.backends import CHOLMOD, PARDISO, Singular
 from kshell.solvers.repeated import Cholmod, Factor, Pardiso, SuperLU
 

@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.energy import StrainEnergy
 from kshell.equilibrium.factor import Factoriser
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError, SolveError
-from kshell.shell.koiter.energy import Koiter
-from kshell.shell.koiter.supports import Reduction
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +50,7 @@ class LinearSolution(NamedTuple):
 
 
 def solve_linear(
-    koiter: StrainEnergy, load: Floats, reduction: Reduction, springs: sp.spmatrix | None = None
+    elastic: StrainEnergy, load: Floats, reduction: Reduction, springs: sp.spmatrix | None = None
 ) -> LinearSolution:
     """Displacements under a load.
 
@@ -59,7 +58,7 @@ def solve_linear(
     ----------
     load : (unknowns,)
     reduction : Reduction
-        From `Supports.reduction`.
+        What the conditions leave of the motions.
     springs : (unknowns, unknowns) sparse, optional
         Stiffness of elastic supports.
 
@@ -70,22 +69,22 @@ def solve_linear(
     SolveError
         If rounding leaves no digit.
     """
-    stiffness = koiter.linear_stiffness()
+    stiffness = elastic.linear_stiffness()
     if springs is not None:
         stiffness = stiffness + springs
     basis = reduction.basis
     # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
-    solve = Factoriser(reduction, koiter).factorise(stiffness).solve
+    solve = Factoriser(reduction, elastic).factorise(stiffness).solve
 
     if basis.shape[1]:
-        _require_stiff(koiter, stiffness, springs, _softest(stiffness, basis, solve))
+        _require_stiff(elastic, stiffness, springs, _softest(stiffness, basis, solve))
     x = reduction.given.copy()
     # against what initial strains would store in a blocked shell, too: it may not move at all
-    energy = float(np.sum(koiter.initial * koiter.stress(koiter.initial)))
+    energy = float(np.sum(elastic.initial * elastic.stress(elastic.initial)))
     corrections: list[float] = []
     for _ in range(MOST_REFINEMENTS):
-        stress = koiter.stress(koiter.linear_strain(x))
-        forces = koiter.linear_forces(stress) - load
+        stress = elastic.stress(elastic.linear_strain(x))
+        forces = elastic.linear_forces(stress) - load
         if springs is not None:
             forces += springs @ x
         residual = -(basis.T @ forces)
@@ -102,7 +101,7 @@ def solve_linear(
         x = x + basis @ step
     if len(corrections) > 1 and corrections[-1] > HOPELESS:
         motion = basis @ step
-        _require_stiff(koiter, stiffness, springs, motion)
+        _require_stiff(elastic, stiffness, springs, motion)
         raise SolveError(
             f"rounding leaves a relative error of {corrections[-1]:.1e} in the energy norm: the shell is too thin "
             "for the mesh, the smallest triangles are too small, or it hangs on too little",
@@ -120,7 +119,7 @@ def _softest(stiffness: sp.spmatrix, basis: sp.spmatrix, solve: Callable[[Floats
 
 
 def _require_stiff(
-    koiter: StrainEnergy, stiffness: sp.spmatrix, springs: sp.spmatrix | None, motion: Floats
+    elastic: StrainEnergy, stiffness: sp.spmatrix, springs: sp.spmatrix | None, motion: Floats
 ) -> None:
     """Refuse a mechanism, whether the load drives it or not.
 
@@ -130,18 +129,18 @@ def _require_stiff(
     if not np.isfinite(motion).all():
         raise InputError(f"the shell can move freely: its stiffness is singular; {HOLD}")
     motion = motion / np.abs(motion).max()
-    strain = koiter.linear_strain(motion) + koiter.initial
-    energy = float(np.sum(strain * koiter.stress(strain)))
+    strain = elastic.linear_strain(motion) + elastic.initial
+    energy = float(np.sum(strain * elastic.stress(strain)))
     if springs is not None:
         energy += float(motion @ (springs @ motion))
     if energy <= MECHANISM * float(motion @ (stiffness.diagonal() * motion)):
-        raise InputError(f"the shell can move freely{_where(koiter, motion)}: {HOLD}")
+        raise InputError(f"the shell can move freely{_where(elastic, motion)}: {HOLD}")
 
 
 def _where(energy: StrainEnergy, motion: Floats) -> str:
-    """Place that moves most, in words, where the discretisation has nodes."""
-    if not isinstance(energy, Koiter):
+    """Place that moves most, in words, where the discretisation tells it."""
+    place = energy.most_moved(motion)
+    if place is None:
         return ""
-    u, _ = energy.surface.split(motion)
-    x, y, z = energy.surface.nodes[np.argmax(np.linalg.norm(u, axis=1))]
+    x, y, z = place
     return f" (it moves most near ({x:.6g}, {y:.6g}, {z:.6g}))"

@@ -1,4 +1,4 @@
-"""One equilibrium of a shell under large deflections: states, external forces, and the factorised tangent."""
+"""One equilibrium under finite deformation: states, external forces, and the factorised tangent."""
 
 from __future__ import annotations
 
@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.energy import Energy, StrainEnergy
 from kshell.equilibrium.factor import Factoriser
+from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Added
-from kshell.shell.koiter.edges import Directors, turn_directors
-from kshell.shell.koiter.energy import Koiter
-from kshell.shell.koiter.supports import Reduction
 from kshell.solvers.repeated import Factor
 
 Floats = NDArray[np.float64]
@@ -30,7 +28,7 @@ Follower = Callable[[Floats], tuple[Floats, sp.csr_matrix]]
 
 @dataclass(frozen=True)
 class Problem:
-    """A shell with its supports and loads, which all grow with one factor.
+    """An energy with its conditions and loads, which all grow with one factor.
 
     Attributes
     ----------
@@ -125,10 +123,10 @@ class Problem:
         return State(0.0, np.zeros(self.energy.unknowns), self.energy.rest)
 
     def settle(self, state: State) -> State:
-        """The same state with directors turned."""
-        if not isinstance(self.energy, Koiter):
+        """The same state after its memory took up what it can of the unknowns."""
+        x, memory = self.energy.settle(state.x, state.memory, self.reduction)
+        if memory is state.memory:
             return state
-        x, memory = turn_directors(self.energy.surface, state.memory, state.x, self.reduction.rotations)
         return replace(state, x=x, memory=memory, turned=state.turned + (state.x - x))
 
 
@@ -141,19 +139,20 @@ class State:
     factor : float
         Load factor.
     x : (unknowns,)
-        Rotations count from the last turn of the directors.
-    memory : Directors or ()
+        Rotations count from what the memory took up.
+    memory : object
+        What the energy keeps of a state besides the unknowns, such as directors.
     iterations : int
         Newton iterations spent on the step to it.
     negative : int
         Negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable.
     turned : (unknowns,) or 0
-        Rotations that the directors took up, all in all: x + turned is the motion that loads work on.
+        Unknowns that the memory took up, all in all: x + turned is the motion that loads work on.
     """
 
     factor: float
     x: Floats
-    memory: Directors | Any
+    memory: Any
     iterations: int = 0
     negative: int = 0
     turned: Floats | float = 0.0

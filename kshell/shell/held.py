@@ -13,11 +13,11 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.unjoined import vertex_parts
 from kshell.mesh.words import place
-from kshell.shell.koiter.supports import Reduction
 
 Floats = NDArray[np.float64]
 

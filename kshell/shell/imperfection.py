@@ -36,7 +36,7 @@ def imperfect(problem: ShellProblem, imperfection: Imperfection) -> tuple[ShellP
     if imperfection.file is not None:
         offsets, what = _of_file(problem, imperfection), f"{imperfection.file.name}"
     else:
-        mode = buckling_modes(problem, imperfection.mode)[-1]
+        mode = buckling_modes(problem.equilibrium(), problem.load, imperfection.mode)[-1]
         offsets = problem.energy.surface.split(mode.motion)[0]
         what = f"linear buckling mode {imperfection.mode}, load factor {mode.factor:.6g}"
     largest = float(np.linalg.norm(offsets, axis=1).max())

@@ -17,7 +17,6 @@ from kshell.equilibrium.path import Critical
 from kshell.equilibrium.problem import State
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.scene.options import TOLERANCE, SolveOptions
-from kshell.shell.koiter.energy import Koiter
 from kshell.shell.problem import ShellProblem
 from kshell.values.naming import listing, suggestion
 
@@ -188,7 +187,7 @@ def grow_load(
     trace = Trace([march.state])
     saved = None if folder is None else Checkpoints(folder, _fingerprint(problem, options))
     if saved is not None:
-        for march, critical in saved.read(isinstance(problem.energy, Koiter)) if resume else saved.clear():
+        for march, critical in saved.read(problem.energy.rest) if resume else saved.clear():
             _add(trace, march, critical)
     try:
         while not marching.ended(march):

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import cg
 
 from kshell.equilibrium.linear import LinearSolution
+from kshell.equilibrium.reduction import Reduction
 from kshell.result.deferred import Deferred
-from kshell.shell.koiter.supports import Reduction
 from kshell.shell.scene_supports import SceneSupports
 
 Floats = NDArray[np.float64]

@@ -7,11 +7,11 @@ import scipy.sparse as sp
 from kshell.equilibrium.factor import Factoriser
 from kshell.equilibrium.problem import Problem
 from kshell.equilibrium.reduced import ReducedPattern
+from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Added
 from kshell.errors import SolveError
 from kshell.shell.koiter import loads
 from kshell.shell.koiter.energy import Koiter
-from kshell.shell.koiter.supports import Reduction
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
 from kshell.solvers.backends import CHOLMOD, PARDISO

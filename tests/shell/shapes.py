@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.equilibrium.linear import LinearSolution, solve_linear
+from kshell.equilibrium.reduction import Reduction
 from kshell.mesh.mesh import Mesh
 from kshell.shell.koiter.energy import Koiter
-from kshell.shell.koiter.supports import Reduction, Supports
+from kshell.shell.koiter.supports import Supports
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
 

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
@@ -17,7 +18,6 @@ from kshell.shell.chart.recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart.supports import ChartSupports
 from kshell.shell.chart.surface import ChartLike, ChartSurface, jets_of_basis
 from kshell.shell.koiter.discretisation import AXIS, USE_KOITER, OfPlace
-from kshell.shell.koiter.supports import Reduction
 from kshell.shell.section import Section
 
 Floats = NDArray[np.float64]

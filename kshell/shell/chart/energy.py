@@ -48,7 +48,7 @@ class ChartKoiter(StrainEnergy):
         Triangles worked on at a time.
     """
 
-    rest = ()  # a smooth surface needs no directors
+    rest = None  # a smooth surface needs no directors
 
     def __init__(
         self, surface: ChartSurface, section: Section, initial: Floats | None = None, block: int = 512

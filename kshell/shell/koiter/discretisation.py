@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
@@ -20,7 +21,7 @@ from kshell.shell.koiter import loads
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.loads import edge_table, surface_points
 from kshell.shell.koiter.recovery import Resultants, displacement, energies, resultants
-from kshell.shell.koiter.supports import Reduction, Supports
+from kshell.shell.koiter.supports import Supports
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.koiter.topology import largest_curvature, smooth_patches
 from kshell.shell.reactions import rotation_axes

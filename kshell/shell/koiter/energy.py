@@ -39,10 +39,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.equilibrium.energy import StrainEnergy, in_blocks
+from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.shell import kinematics
 from kshell.shell.constitutive import triangle_stiffness
-from kshell.shell.koiter.edges import Directors, rest_directors
+from kshell.shell.koiter.edges import Directors, rest_directors, turn_directors
 from kshell.shell.koiter.strain_tables import strain_tables
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
@@ -197,6 +198,15 @@ class Koiter(StrainEnergy):
 
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         return np.matmul(self.stiffness[triangles], columns)
+
+    def settle(self, x: Floats, memory: Directors, reduction: Reduction) -> tuple[Floats, Directors]:
+        """Directors take up the rotations, but for prescribed ones."""
+        return turn_directors(self.surface, memory, x, reduction.rotations)
+
+    def most_moved(self, motion: Floats) -> Floats:
+        u, _ = self.surface.split(motion)
+        place: Floats = self.surface.nodes[np.argmax(np.linalg.norm(u, axis=1))]
+        return place
 
     def translation_weights(self) -> Floats:
         result = np.zeros(self.unknowns)

@@ -6,12 +6,11 @@ corners and changes of the support need no special case. The unknowns become x =
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 from kshell.shell.koiter.edges import first_triangle
 from kshell.shell.koiter.surface import Surface
@@ -31,35 +30,6 @@ LARGEST_SLANT = 30.0
 # a plane whose normal, found from interpolated shape, is so close to a coordinate axis is meant to be at right
 # angles to it
 ON_AXIS = 2e-3
-
-
-class Reduction(NamedTuple):
-    """x = basis q + given.
-
-    Attributes
-    ----------
-    basis : (unknowns, free) sparse
-        Orthonormal columns.
-    given : (unknowns,)
-        Prescribed motion.
-    rotations : (n,) int
-        Unknown numbers of the prescribed rotations.
-    """
-
-    basis: sp.csc_matrix
-    given: Floats
-    rotations: Ints
-
-    def reduce(self, matrix: sp.spmatrix) -> sp.csr_matrix:
-        """basis^T matrix basis; by picking rows and columns where the basis only picks unknowns."""
-        basis = self.basis
-        if basis.nnz > basis.shape[1]:
-            return (basis.T @ matrix @ basis).tocsr()
-        reduced = matrix.tocsr()[basis.indices][:, basis.indices]
-        if np.any(basis.data != 1.0):
-            signs = sp.diags(basis.data)
-            reduced = signs @ reduced @ signs
-        return reduced.tocsr()
 
 
 class Supports:
