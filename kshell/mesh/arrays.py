@@ -9,22 +9,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
-from kshell.mesh.build import build
-from kshell.mesh.mesh import Mesh
+from kshell.mesh.build import M, build
 from kshell.mesh.raw import RawGroup, RawMesh
+from kshell.mesh.triangulation import Triangulation
 from kshell.mesh.words import count
 
 Ints = NDArray[np.int64]
 
 
 def mesh_from_arrays(
+    kind: type[M],
     points: ArrayLike,
     triangles: ArrayLike,
     groups: Mapping[str, Any] | None = None,
     midpoints: ArrayLike | None = None,
     source: str = "mesh",
-) -> Mesh:
-    """See `Mesh.from_arrays`."""
+) -> M:
+    """A mesh of the given class. See `Mesh.from_arrays`."""
     x = np.asarray(points, dtype=float)
     if x.ndim != 2 or x.shape[1] not in (2, 3):
         raise InputError(f"{source}: points must be an array (vertex, 2 or 3), not of shape {x.shape}")
@@ -44,7 +45,7 @@ def mesh_from_arrays(
         x, t = _with_midpoints(x, t, midpoints, source)
 
     raw_groups = [_group(name, cells, t, len(x), source) for name, cells in (groups or {}).items()]
-    mesh = build(RawMesh(x, t, raw_groups, source))
+    mesh = build(RawMesh(x, t, raw_groups, source), kind)
     for name, group in mesh.groups.items():
         if group.lost:
             what = "vertices of triangles" if group.dimension == 0 else "edges of triangles"
@@ -67,7 +68,7 @@ def _with_midpoints(
     """Six-node triangles from nodes given by edge."""
     if t.shape[1] == 6:
         raise InputError(f"{source}: give either six-node triangles or midpoints, not both")
-    bare = Mesh(x, t.astype(np.int32))
+    bare = Triangulation(x, t.astype(np.int32))
     middle = np.asarray(midpoints, dtype=float)
     if middle.shape != (len(bare.edges), 3):
         raise InputError(

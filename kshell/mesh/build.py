@@ -7,24 +7,25 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh import check
-from kshell.mesh.mesh import KIND_OF_DIMENSION, Group, Mesh
 from kshell.mesh.orient import to_reverse
 from kshell.mesh.raw import RawGroup, RawMesh
+from kshell.mesh.triangulation import KIND_OF_DIMENSION, Group, Triangulation
 from kshell.mesh.words import count, place, quoted
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+M = TypeVar("M", bound=Triangulation)
 
 
-def build(raw: RawMesh) -> Mesh:
-    """The checked mesh.
+def build(raw: RawMesh, kind: type[M]) -> M:
+    """The checked mesh, of the given class.
 
     Raises
     ------
@@ -49,7 +50,7 @@ def build(raw: RawMesh) -> Mesh:
         notes.append(f"{count(n_idle, 'node')} of no triangle left out")
 
     check.areas(points, triangles, raw.source)
-    bare = Mesh(points, triangles.astype(np.int32), source=raw.source)
+    bare = kind(points, triangles.astype(np.int32), source=raw.source)
     midpoints = None if middle_nodes is None else _midpoints(bare, raw.points, middle_nodes)
     flat = check.is_flat(points)
     reverse = to_reverse(bare, flat)
@@ -66,7 +67,7 @@ def build(raw: RawMesh) -> Mesh:
     return _changed(mesh, notes=tuple(notes))
 
 
-def _changed(mesh: Mesh, **changes: Any) -> Mesh:
+def _changed(mesh: M, **changes: Any) -> M:
     """The mesh with other attributes but the same points and triangles; the edge table is kept, being "
     "costly."""
     new = replace(mesh, **changes)
@@ -76,7 +77,7 @@ def _changed(mesh: Mesh, **changes: Any) -> Mesh:
     return new
 
 
-def reversed_triangles(mesh: Mesh, which: NDArray[np.bool_]) -> Mesh:
+def reversed_triangles(mesh: M, which: NDArray[np.bool_]) -> M:
     """The mesh with some triangles (a, b, c) turned to (a, c, b); edges keep their numbers."""
     triangles, triangle_edges = mesh.triangles.copy(), mesh.triangle_edges.copy()
     triangles[which] = triangles[which][:, [0, 2, 1]]
@@ -146,7 +147,7 @@ def _distinct(middle_nodes: Ints | None) -> int:
     return int(np.count_nonzero(nodes >= 0))
 
 
-def _midpoints(mesh: Mesh, node_points: Floats, middle_nodes: Ints) -> Floats:
+def _midpoints(mesh: Triangulation, node_points: Floats, middle_nodes: Ints) -> Floats:
     """Mid-edge nodes by edge; straight edges where no triangle brings one."""
     edges = mesh.triangle_edges.ravel()
     nodes = middle_nodes.ravel()
@@ -165,7 +166,9 @@ def _midpoints(mesh: Mesh, node_points: Floats, middle_nodes: Ints) -> Floats:
     return midpoints
 
 
-def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list[str]) -> dict[str, Group]:
+def _groups(
+    raw: RawMesh, mesh: Triangulation, vertex_of: Ints, row_of: Ints, notes: list[str]
+) -> dict[str, Group]:
     """Groups in vertex, edge and triangle numbers of `mesh`, under names that are unique."""
     parts: dict[tuple[str, int], list[RawGroup]] = defaultdict(list)
     for group in raw.groups:
@@ -207,7 +210,7 @@ def _groups(raw: RawMesh, mesh: Mesh, vertex_of: Ints, row_of: Ints, notes: list
     return groups
 
 
-def _members(group: RawGroup, mesh: Mesh, vertex_of: Ints, row_of: Ints) -> tuple[Ints, int]:
+def _members(group: RawGroup, mesh: Triangulation, vertex_of: Ints, row_of: Ints) -> tuple[Ints, int]:
     """Member indices (-1 removed) and how many distinct stored cells have none."""
     if group.dimension == 2:
         return row_of[group.cells], 0

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh import quadratic
-from kshell.mesh.mesh import Mesh
 from kshell.mesh.quality import Quality, Summary, quality, summary
 from kshell.mesh.raw import RawMesh
+from kshell.mesh.triangulation import Triangulation
 from kshell.mesh.unjoined import unjoined
 from kshell.mesh.words import count, place
 
@@ -121,7 +121,7 @@ def is_flat(points: Floats) -> bool:
     return bool(np.ptp(points[:, 2]) <= FLAT * np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def curved_triangles(mesh: Mesh, midpoints: Floats) -> None:
+def curved_triangles(mesh: Triangulation, midpoints: Floats) -> None:
     """Raise where the mid-edge nodes turn a triangle of order 2 inside out."""
     x = quadratic.node_points(mesh, midpoints)
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
@@ -138,7 +138,7 @@ def curved_triangles(mesh: Mesh, midpoints: Floats) -> None:
         )
 
 
-def connections(mesh: Mesh) -> list[str]:
+def connections(mesh: Triangulation) -> list[str]:
     """Raise where parts of the mesh touch without being joined; say in words what else is odd."""
     notes = unjoined(mesh)
     branches = np.flatnonzero(mesh.edge_counts > 2)
@@ -151,7 +151,7 @@ def connections(mesh: Mesh) -> list[str]:
     return notes
 
 
-def plane_of(mesh: Mesh) -> tuple[Floats, Floats, float]:
+def plane_of(mesh: Triangulation) -> tuple[Floats, Floats, float]:
     """The best plane through the mesh.
 
     Returns
@@ -170,7 +170,7 @@ def plane_of(mesh: Mesh) -> tuple[Floats, Floats, float]:
     return centre, normal, float(np.abs((x - centre) @ normal).max())
 
 
-def plate_problems(mesh: Mesh) -> None:
+def plate_problems(mesh: Triangulation) -> None:
     """Raise what a plate in its plane z = const cannot take.
 
     Raises

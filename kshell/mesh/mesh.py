@@ -1,161 +1,65 @@
-"""A triangle mesh with named groups: the data every other part of kshell starts from.
-
-Edges are numbered as scikit-fem numbers facets (sorted by lower, then higher vertex), and the
-edges of a triangle (a, b, c) are (a, b), (b, c), (a, c) in that order.
-"""
+"""A triangle mesh with named groups: the data every other part of kshell starts from."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from kshell.errors import InputError
+from kshell.mesh.arrays import mesh_from_arrays
+from kshell.mesh.triangulation import EDGE_VERTICES, KIND_OF_DIMENSION, Group, Triangulation
 
 if TYPE_CHECKING:
     import skfem
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int32]
-
-# local vertices of the three edges of a triangle
-EDGE_VERTICES = np.array([[0, 1], [1, 2], [0, 2]])
-
-KIND_OF_DIMENSION = ("point", "curve", "surface")
+__all__ = ["EDGE_VERTICES", "KIND_OF_DIMENSION", "Group", "Mesh"]
 
 
-@dataclass(frozen=True)
-class Group:
-    """A named part of a mesh.
-
-    Attributes
-    ----------
-    dimension : int
-        0 for points, 1 for curves, 2 for surfaces.
-    members : (n,) int array
-        Vertex, edge or triangle indices, sorted, without repetition.
-    tag : int or None
-        The integer a gmsh file knows the group by.
-    lost : int
-        Cells the source puts in the group that are no vertex, edge or triangle of the mesh. A group with
-        lost cells cannot be selected: a support or load would act on a part of it only.
-    """
-
-    dimension: int
-    members: Ints
-    tag: int | None = None
-    lost: int = 0
-
-    @property
-    def kind(self) -> str:
-        """ "point", "curve" or "surface"."""
-        return KIND_OF_DIMENSION[self.dimension]
-
-
-@dataclass(frozen=True, eq=False)
-class Mesh:
-    """Triangles in space.
+class Mesh(Triangulation):
+    """Triangles in space with named groups, made by `from_arrays` or `kshell.mesh.read_mesh`.
 
     Attributes
     ----------
     points : (vertex, 3) float array
-        Vertices only; the mid-edge nodes of an order-2 mesh are in `midpoints`.
     triangles : (triangle, 3) int array
         Vertex indices, consistently oriented within each connected sheet.
     midpoints : (edge, 3) float array or None
         Where the node on each edge lies, for a mesh of order 2.
     groups : dict of str to Group
-        Physical groups; a group without a name is called "dimension:tag", e.g. "1:7".
     notes : tuple of str
         What was repaired or is worth knowing, in words for the user.
     source : str
         Where the mesh came from, for messages.
     """
 
-    points: Floats
-    triangles: Ints
-    midpoints: Floats | None = None
-    groups: dict[str, Group] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    source: str = "mesh"
-
-    @property
-    def order(self) -> int:
-        """Polynomial order of the geometry, 1 or 2."""
-        return 1 if self.midpoints is None else 2
-
-    @cached_property
-    def _edge_table(self) -> tuple[Ints, Ints]:
-        n = len(self.points)
-        ends = np.sort(self.triangles[:, EDGE_VERTICES], axis=2).astype(np.int64)  # (triangle, edge, 2)
-        key, inverse = np.unique((ends[..., 0] * n + ends[..., 1]).ravel(), return_inverse=True)
-        edges = np.stack([key // n, key % n], axis=1).astype(np.int32)
-        return edges, inverse.reshape(-1, 3).astype(np.int32)
-
-    @property
-    def edges(self) -> Ints:
-        """(edge, 2) vertices of each edge, the lower index first."""
-        return self._edge_table[0]
-
-    @property
-    def triangle_edges(self) -> Ints:
-        """(triangle, 3) edge index of the local edges (0, 1), (1, 2), (0, 2)."""
-        return self._edge_table[1]
-
-    @cached_property
-    def edge_counts(self) -> Ints:
-        """(edge,) how many triangles share each edge."""
-        return np.bincount(self.triangle_edges.ravel(), minlength=len(self.edges)).astype(np.int32)
-
-    @cached_property
-    def edge_owner(self) -> Ints:
-        """(edge, 2) one triangle at each edge and its local edge number there (the first one found)."""
-        flat = self.triangle_edges.ravel()[::-1]
-        place = np.empty(len(self.edges), dtype=np.int64)
-        place[flat] = np.arange(len(flat))[::-1]
-        return np.stack([place // 3, place % 3], axis=1).astype(np.int32)
-
-    @cached_property
-    def boundary_edges(self) -> Ints:
-        """(n,) edges that belong to one triangle only."""
-        return np.flatnonzero(self.edge_counts == 1).astype(np.int32)
-
-    @cached_property
-    def edge_lengths(self) -> Floats:
-        """(edge,) straight length between the end vertices."""
-        return np.linalg.norm(self.points[self.edges[:, 1]] - self.points[self.edges[:, 0]], axis=1)
-
-    @cached_property
-    def areas(self) -> Floats:
-        """(triangle,) area of the flat triangle between the vertices."""
-        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
-        return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-
-    @cached_property
-    def size(self) -> float:
-        """Diagonal of the bounding box."""
-        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
-
-    def edge_index(self, ends: ArrayLike) -> Ints:
-        """Edge numbers of vertex pairs.
+    @classmethod
+    def from_arrays(
+        cls,
+        points: ArrayLike,
+        triangles: ArrayLike,
+        groups: dict[str, Any] | None = None,
+        midpoints: ArrayLike | None = None,
+    ) -> Mesh:
+        """A mesh from plain arrays, checked like one that is read from a file.
 
         Parameters
         ----------
-        ends : (n, 2) int array
+        points : (vertex, 2 or 3) array
+        triangles : (triangle, 3) or (triangle, 6) int array
+            Six nodes: corners, then the nodes on edges (0, 1), (1, 2), (2, 0).
+        groups : dict, optional
+            Name to (n, 3) triangles, (n, 2) edges or (n,) vertices, all as vertex indices.
+        midpoints : (edge, 3) array, optional
+            Mid-edge nodes in the order of `edges`, instead of six-node triangles.
 
-        Returns
-        -------
-        (n,) int array, -1 where the mesh has no such edge.
+        Raises
+        ------
+        InputError
+            If an index is out of range, an array has the wrong shape, or the mesh is unusable.
         """
-        n = len(self.points)
-        pair = np.sort(np.asarray(ends, dtype=np.int64).reshape(-1, 2), axis=1)
-        table = self.edges[:, 0].astype(np.int64) * n + self.edges[:, 1]
-        key = pair[:, 0] * n + pair[:, 1]
-        place = np.minimum(np.searchsorted(table, key), len(table) - 1)
-        return np.where(table[place] == key, place, -1).astype(np.int32)
+        return mesh_from_arrays(cls, points, triangles, groups, midpoints)
 
     def to_skfem(self) -> skfem.MeshTri:
         """The same triangles as a scikit-fem mesh of the plane.
@@ -184,32 +88,3 @@ class Mesh:
             sort_t=False,
             validate=False,
         )
-
-    @classmethod
-    def from_arrays(
-        cls,
-        points: ArrayLike,
-        triangles: ArrayLike,
-        groups: dict[str, Any] | None = None,
-        midpoints: ArrayLike | None = None,
-    ) -> Mesh:
-        """A mesh from plain arrays, checked like one that is read from a file.
-
-        Parameters
-        ----------
-        points : (vertex, 2 or 3) array
-        triangles : (triangle, 3) or (triangle, 6) int array
-            Six nodes: corners, then the nodes on edges (0, 1), (1, 2), (2, 0).
-        groups : dict, optional
-            Name to (n, 3) triangles, (n, 2) edges or (n,) vertices, all as vertex indices.
-        midpoints : (edge, 3) array, optional
-            Mid-edge nodes in the order of `edges`, instead of six-node triangles.
-
-        Raises
-        ------
-        InputError
-            If an index is out of range, an array has the wrong shape, or the mesh is unusable.
-        """
-        from kshell.mesh.arrays import mesh_from_arrays
-
-        return mesh_from_arrays(points, triangles, groups, midpoints)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.mesh.triangulation import EDGE_VERTICES, Triangulation
 from kshell.mesh.words import place
 
 # walking round a triangle (0, 1, 2), its edges (0, 1), (1, 2) are met forward and (0, 2) backward
@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 
-def shared_edges(mesh: Mesh) -> tuple[Ints, Bools]:
+def shared_edges(mesh: Triangulation) -> tuple[Ints, Bools]:
     """Pairs of triangles across the edges that exactly two triangles share.
 
     Returns
@@ -43,12 +43,12 @@ def shared_edges(mesh: Mesh) -> tuple[Ints, Bools]:
     return pairs, forward[pairs[:, 0]] != forward[pairs[:, 1]]
 
 
-def to_reverse(mesh: Mesh, flat: bool) -> Bools:
+def to_reverse(mesh: Triangulation, flat: bool) -> Bools:
     """(triangle,) which triangles must be reversed.
 
     Parameters
     ----------
-    mesh : Mesh
+    mesh : Triangulation
     flat : bool
         The mesh lies in a plane z = const: normals become +z. Else the majority of each sheet stays.
 
@@ -78,7 +78,7 @@ def to_reverse(mesh: Mesh, flat: bool) -> Bools:
     return _by_double_cover(mesh, pairs, agree)
 
 
-def _by_double_cover(mesh: Mesh, pairs: Ints, agree: Bools) -> Bools:
+def _by_double_cover(mesh: Triangulation, pairs: Ints, agree: Bools) -> Bools:
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
@@ -107,7 +107,7 @@ def _by_double_cover(mesh: Mesh, pairs: Ints, agree: Bools) -> Bools:
     return (better < 0) | ((better == 0) & (stored > reversed_))
 
 
-def _edge_middle(mesh: Mesh, flat_position: int) -> NDArray[np.float64]:
+def _edge_middle(mesh: Triangulation, flat_position: int) -> NDArray[np.float64]:
     triangle, edge = divmod(int(flat_position), 3)
     middle: NDArray[np.float64] = mesh.points[mesh.triangles[triangle, EDGE_VERTICES[edge]]].mean(axis=0)
     return middle

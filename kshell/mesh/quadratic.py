@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.mesh.triangulation import EDGE_VERTICES, Triangulation
 
 Floats = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ RULE_POINTS = np.array(
 RULE_WEIGHTS = np.array([0.109951743655322] * 3 + [0.223381589678011] * 3)
 
 
-def node_points(mesh: Mesh, midpoints: Floats) -> Floats:
+def node_points(mesh: Triangulation, midpoints: Floats) -> Floats:
     """(triangle, 6, 3) places of the nodes."""
     return np.concatenate([mesh.points[mesh.triangles], midpoints[mesh.triangle_edges]], axis=1)
 

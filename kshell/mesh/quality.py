@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh import quadratic
-from kshell.mesh.mesh import Mesh
+from kshell.mesh.triangulation import Triangulation
 
 Floats = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ class Quality:
     longest_edge_at: tuple[float, ...]
 
 
-def summary(mesh: Mesh) -> Summary:
+def summary(mesh: Triangulation) -> Summary:
     """Counts and sizes of a mesh and its groups."""
     lengths, areas = edge_lengths(mesh), triangle_areas(mesh)
     measures = (np.zeros(len(mesh.points)), lengths, areas)  # by dimension
@@ -91,7 +91,7 @@ def summary(mesh: Mesh) -> Summary:
     )
 
 
-def quality(mesh: Mesh) -> Quality:
+def quality(mesh: Triangulation) -> Quality:
     """Shape of the triangles, with the places of the worst."""
     corners = mesh.points[mesh.triangles]  # (triangle, corner, 3)
     middle = corners.mean(axis=1)
@@ -118,7 +118,7 @@ def quality(mesh: Mesh) -> Quality:
     )
 
 
-def edge_lengths(mesh: Mesh) -> Floats:
+def edge_lengths(mesh: Triangulation) -> Floats:
     """(edge,) length; of the parabola through the mid-edge node where the mesh is of order 2."""
     if mesh.midpoints is None:
         return mesh.edge_lengths
@@ -134,7 +134,7 @@ def edge_lengths(mesh: Mesh) -> Floats:
     return lengths
 
 
-def triangle_areas(mesh: Mesh) -> Floats:
+def triangle_areas(mesh: Triangulation) -> Floats:
     """(triangle,) area, of the curved triangle where the mesh is of order 2."""
     if mesh.midpoints is None:
         return mesh.areas

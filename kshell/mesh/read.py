@@ -67,19 +67,19 @@ def read_mesh(
     if path is None:
         from kshell.mesh.foreign import raw_from_object
 
-        return build(raw_from_object(source))
+        return build(raw_from_object(source), Mesh)
     _require_file(path)
     if is_geometry:
         from kshell.mesh.geometry_file import read_geometry
 
-        return _quick_to_walk(build(read_geometry(path, mesh_size, mesh_order)))
+        return _quick_to_walk(build(read_geometry(path, mesh_size, mesh_order), Mesh))
     if path.suffix.lower() == ".msh" or _begins_like_gmsh(path):
         from kshell.mesh.gmsh_file import read_gmsh
 
-        return _quick_to_walk(build(read_gmsh(path)))
+        return _quick_to_walk(build(read_gmsh(path), Mesh))
     from kshell.mesh.foreign import read_foreign
 
-    return _quick_to_walk(build(read_foreign(path)))
+    return _quick_to_walk(build(read_foreign(path), Mesh))
 
 
 def _on_geometry(source: Any, path: Path, mesh_size: float | None, mesh_order: int | None) -> Mesh:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh.mesh import Mesh
+from kshell.mesh.triangulation import Triangulation
 from kshell.mesh.words import count, place
 
 Ints = NDArray[np.signedinteger]
@@ -27,7 +27,7 @@ MERGE = (
 )
 
 
-def unjoined(mesh: Mesh) -> list[str]:
+def unjoined(mesh: Triangulation) -> list[str]:
     """Raise at doubled vertices and hanging nodes; return notes on slits and on parts.
 
     Two vertices at one place are a slit, not an error, if both belong to named groups of curves or points
@@ -61,7 +61,7 @@ def unjoined(mesh: Mesh) -> list[str]:
     return notes + _parts(mesh, part, n_parts)
 
 
-def vertex_parts(mesh: Mesh) -> Ints:
+def vertex_parts(mesh: Triangulation) -> Ints:
     """(vertex,) number of the part of the mesh, triangles being connected where they share a vertex."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -71,7 +71,7 @@ def vertex_parts(mesh: Mesh) -> Ints:
     return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
-def sheet_parts(mesh: Mesh) -> Ints:
+def sheet_parts(mesh: Triangulation) -> Ints:
     """(triangle,) number of the part of the mesh, triangles being connected where they share an edge."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -83,7 +83,7 @@ def sheet_parts(mesh: Mesh) -> Ints:
     return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
-def _on_named_curves(mesh: Mesh) -> Bools:
+def _on_named_curves(mesh: Triangulation) -> Bools:
     """(vertex,) whether the vertex belongs to a group of curves or points."""
     named = np.zeros(len(mesh.points), dtype=bool)
     for name, group in mesh.groups.items():
@@ -96,7 +96,7 @@ def _on_named_curves(mesh: Mesh) -> Bools:
     return named
 
 
-def _pairs_at_one_place(mesh: Mesh, candidates: Ints, tolerance: float) -> Ints:
+def _pairs_at_one_place(mesh: Triangulation, candidates: Ints, tolerance: float) -> Ints:
     from scipy.spatial import cKDTree
 
     found = cKDTree(mesh.points[candidates]).query_pairs(tolerance, output_type="ndarray")
@@ -104,7 +104,7 @@ def _pairs_at_one_place(mesh: Mesh, candidates: Ints, tolerance: float) -> Ints:
     return pairs[np.lexsort(pairs.T[::-1])]
 
 
-def _raise_on_hanging_nodes(mesh: Mesh, boundary: Ints, part: Ints, named: Bools) -> None:
+def _raise_on_hanging_nodes(mesh: Triangulation, boundary: Ints, part: Ints, named: Bools) -> None:
     """A vertex inside the edge of a triangle it does not belong to."""
     from scipy.spatial import cKDTree
 
@@ -142,7 +142,7 @@ def _raise_on_hanging_nodes(mesh: Mesh, boundary: Ints, part: Ints, named: Bools
         )
 
 
-def _parts(mesh: Mesh, part: Ints, n_parts: int) -> list[str]:
+def _parts(mesh: Triangulation, part: Ints, n_parts: int) -> list[str]:
     if n_parts > 1:
         part_of_triangle = part[mesh.triangles[:, 0]]
         sizes = np.bincount(part_of_triangle, minlength=n_parts)
