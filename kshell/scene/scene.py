@@ -23,6 +23,7 @@ from kshell.scene.loads import Load
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import Point, as_point, as_scalar
 from kshell.scene.supports import Support
+from kshell.scene.toml import apply_override, inside, read_toml, scene_arguments
 from kshell.values.validation import Number, described
 
 
@@ -237,18 +238,20 @@ class Scene:
         InputError
             If the file cannot be read, or something in it is wrong: names file, key, value and mend.
         """
-        from kshell.scene.toml import load_scene
-
-        return load_scene(Path(path), overrides)
+        path = Path(path)
+        data = read_toml(path)
+        for override in overrides:
+            apply_override(data, override)
+        return cls.from_dict(data, path.parent, path.name)
 
     @classmethod
     def from_dict(
         cls, data: Mapping[str, Any], folder: str | os.PathLike[str] = ".", source: str = "scene"
     ) -> Scene:
         """The scene in a dict with the keys of a scene file; paths are relative to `folder`."""
-        from kshell.scene.toml import scene_from_dict
-
-        return scene_from_dict(data, Path(folder), source)
+        arguments = scene_arguments(data, Path(folder), source)
+        with inside(source, "scene: "):
+            return cls(**arguments)
 
 
 def _all_of(items: Any, cls: type, key: str, words: str) -> tuple[Any, ...]:

@@ -1,9 +1,9 @@
-"""Scenes as TOML files, and the dicts they hold."""
+"""Scene files, TOML, and the dicts they hold: from their keys to what `Scene` takes."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,6 @@ from kshell.scene.imperfection import Imperfection
 from kshell.scene.loads import LOADS
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point
-from kshell.scene.scene import Scene
 from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import unknown_key
@@ -37,14 +36,6 @@ KEYS = [
     "solve",
 ]
 NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge)}
-
-
-def load_scene(path: Path, overrides: Sequence[str] = ()) -> Scene:
-    """The scene in a TOML file. See `Scene.load`."""
-    data = read_toml(path)
-    for override in overrides:
-        apply_override(data, override)
-    return scene_from_dict(data, path.parent, path.name)
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -115,8 +106,8 @@ def _index(items: list[Any], part: str, override: str, above: list[str]) -> int:
     return int(part)
 
 
-def scene_from_dict(data: Mapping[str, Any], folder: Path, source: str) -> Scene:
-    """The scene in a dict with the keys of a scene file. See `Scene.from_dict`."""
+def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[str, Any]:
+    """What `Scene` takes, from a dict with the keys of a scene file. See `Scene.from_dict`."""
     for key in data:
         if key not in KEYS:
             raise InputError(f"{source}: {unknown_key(key, KEYS)}")
@@ -128,23 +119,22 @@ def scene_from_dict(data: Mapping[str, Any], folder: Path, source: str) -> Scene
             path = data[key]
             arguments[key] = folder / path if isinstance(path, str | Path) and path else path
     if "material" in data:
-        with _inside(f"{source}, [material]", "material: "):
+        with inside(f"{source}, [material]", "material: "):
             arguments["material"] = material_from_dict(_table(data["material"]))
     if "layer" in data:
         arguments["layers"] = _each(data["layer"], "layer", source, layer_from_dict)
     if "chart" in data:
-        with _inside(f"{source}, [chart]"):
+        with inside(f"{source}, [chart]"):
             arguments["chart"] = chart_from_dict(_table(data["chart"]))
     if "imperfection" in data:
-        with _inside(f"{source}, [imperfection]", "imperfection: "):
+        with inside(f"{source}, [imperfection]", "imperfection: "):
             arguments["imperfection"] = imperfection_from_dict(_table(data["imperfection"]), folder)
     arguments["supports"] = _each(data.get("support", []), "support", source, support_from_dict)
     arguments["loads"] = _each(data.get("load", []), "load", source, load_from_dict)
     arguments["probes"] = _probes(data.get("probe", []), source)
-    with _inside(f"{source}, [solve]", "[solve]: "):
+    with inside(f"{source}, [solve]", "[solve]: "):
         arguments["solve"] = SolveOptions(**_table(data.get("solve", {})))
-    with _inside(source, "scene: "):
-        return Scene(**arguments)
+    return arguments
 
 
 def material_from_dict(data: Mapping[str, Any]) -> Any:
@@ -247,7 +237,7 @@ def _each(blocks: Any, name: str, source: str, make: Callable[[dict[str, Any]], 
         raise InputError(f"{source}: write [[{name}]] with double brackets: there may be several")
     made = []
     for number, block in enumerate(blocks, start=1):
-        with _inside(f"{source}, [[{name}]] {number}"):
+        with inside(f"{source}, [[{name}]] {number}"):
             made.append(make(dict(_table(block))))
     return made
 
@@ -259,7 +249,7 @@ def _table(value: Any) -> dict[str, Any]:
 
 
 @contextmanager
-def _inside(where: str, instead_of: str = "") -> Iterator[None]:
+def inside(where: str, instead_of: str = "") -> Iterator[None]:
     """Say in which file and block an error was found, in place of what it says itself."""
     try:
         yield

@@ -12,7 +12,8 @@ import kshell as ks
 from kshell.errors import InputError
 from kshell.mesh import Mesh, read_mesh
 from kshell.mesh.on_geometry import put_on_geometry
-from kshell.scene.toml import load_scene, read_toml
+from kshell.scene.scene import Scene
+from kshell.scene.toml import read_toml
 
 SHIPPED = Path(__file__).parents[2] / "meshes"
 
@@ -150,7 +151,7 @@ Physical Surface("plate") = {1}; Physical Curve("arc") = {5};
 @pytest.mark.parametrize("name", ["scordelis_lo", "pinched_cylinder"])
 def test_scenes_give_the_answer_of_order_2(tmp_path, name):
     """An order-1 file of the mesh with its geometry against the shipped mesh of order 2, p = 2."""
-    scene = load_scene(SHIPPED / f"{name}.toml")
+    scene = Scene.load(SHIPPED / f"{name}.toml")
     curved = scene.read_mesh()
     flat = tmp_path / "flat.msh"
     ks.mesh.write_msh(replace(curved, midpoints=None), flat)
