@@ -1,0 +1,94 @@
+"""Mass and membrane forces of a plate as quadratic forms: what vibration and buckling need beside the stiffness.
+
+Only translation has inertia, int mu v w: the rotary inertia mu t^2 / 12 of the normals is of the order of the
+transverse shear that Kirchhoff's plate leaves out, and is left out with it. Membrane forces N, positive in tension,
+give
+
+    G(v, w) = int  grad v . N grad w.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import PlateElement, matrices
+from kshell.material.section import Section
+from kshell.plate.domain import Domain
+from kshell.plate.forms import Form
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+# N (n, point, 2, 2) at reference points (n, point, 2) of triangles (n,)
+MembraneForce = Callable[[Ints, Floats], Floats]
+
+VARIABLE = 3  # further degrees of quadrature where the mass varies in a triangle
+
+
+@dataclass
+class Mass(Form):
+    """Integral of mass per area times v w."""
+
+    everywhere = True
+
+    domain: Domain
+    element: PlateElement
+    section: Section
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        for block in self.domain.blocks():
+            yield block, block
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        affine = self.domain.affine(positions)
+        constant = self.section.constant_per_triangle
+        if constant and not self.domain.is_curved[positions[0]]:
+            centres = self.domain.mesh.points[self.domain.mesh.triangles[positions]].mean(axis=1)
+            density = self.section.mass(positions, centres[:, None])[:, 0]
+            return matrices.mass(self.element, affine, density, transform)
+        degree = 2 * self.element.maxdeg + (0 if constant else VARIABLE)
+        patch = next(self.domain.patches(degree, positions))
+        rows = matrices.rows(self.element, affine, patch.xi, 0, transform)
+        z = np.broadcast_to(self.domain.mesh.points[0, 2], (*patch.xy.shape[:2], 1))
+        density = self.section.mass(positions, np.concatenate([patch.xy, z], axis=2))
+        return matrices.integrate_products(rows, (patch.weights * density)[..., None, None], rows)
+
+
+@dataclass
+class Membrane(Form):
+    """Integral of grad v . N grad w: the geometric stiffness of membrane forces N.
+
+    Attributes
+    ----------
+    force : function
+        N in global components at points of triangles.
+    degree : int
+        Of N as a polynomial in each triangle.
+    """
+
+    everywhere = True
+
+    domain: Domain
+    element: PlateElement
+    force: MembraneForce
+    degree: int
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        for block in self.domain.blocks():
+            yield block, block
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        affine = self.domain.affine(positions)
+        if self.degree == 0 and not self.domain.is_curved[positions[0]]:
+            centre = np.full((len(positions), 1, 2), 1 / 3)
+            return matrices.geometric_stiffness(
+                self.element, affine, self.force(positions, centre)[:, 0], transform
+            )
+        patch = next(self.domain.patches(2 * (self.element.maxdeg - 1) + self.degree, positions))
+        slopes = matrices.rows(self.element, affine, patch.xi, 1, transform)
+        xi = np.broadcast_to(patch.xi, patch.xy.shape)
+        weight = patch.weights[..., None, None] * self.force(positions, xi)
+        return matrices.integrate_products(slopes, weight, slopes)
