@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.draw.plot import draw_edges, new_figure
+from kshell.draw.canvas import draw_edges, new_figure
 from kshell.mesh import Mesh, Selection, select
 from kshell.scene.loads import Load
 from kshell.scene.places import on_words

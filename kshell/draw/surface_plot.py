@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.draw.plot import FEW_TRIANGLES, colour_bar, colours, flat_triangles
+from kshell.draw.canvas import FEW_TRIANGLES, colour_bar, colours, flat_triangles
 from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes
 from kshell.mesh import Mesh, Selection, select
 from kshell.result.vtu import at_nodes

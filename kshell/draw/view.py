@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kshell.draw.plot import colours, picture_values, pictures
+from kshell.draw.canvas import colours
+from kshell.draw.pictures import picture_values, pictures
 from kshell.draw.surface_plot import deformed_nodes, drawn_scale
 from kshell.errors import InputError
 from kshell.values.naming import listing, suggestion

@@ -20,7 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError, SolveError
+from kshell.result import doors
 from kshell.result.deferred import Deferred
+from kshell.result.saving import save
 from kshell.values.naming import listing, suggestion
 
 if TYPE_CHECKING:
@@ -204,9 +206,7 @@ class Result:
         SolveError
             If a value is NaN or infinite.
         """
-        from kshell.result.saving import save
-
-        return save(self, folder, plots)
+        return save(self, folder, doors.picture_files(self, plots))
 
     def plot(self, what: str = "deflection") -> Figure:
         """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
@@ -223,9 +223,7 @@ class Result:
         InputError
             If there is no such picture; the message lists them.
         """
-        from kshell.draw.plot import plot
-
-        return plot(self, what)
+        return doors.plot(self, what)
 
     def show(self, what: str = "deflection", scale: float | None = None, file: str | None = None) -> Any:
         """The deformed surface in 3D with PyVista, to be turned with the mouse.
@@ -248,9 +246,7 @@ class Result:
         InputError
             If PyVista is not installed: it is the extra "view" of kshell.
         """
-        from kshell.draw.view import show
-
-        return show(self, what, scale, file)
+        return doors.show(self, what, scale, file)
 
 
 def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:

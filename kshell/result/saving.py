@@ -5,36 +5,32 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kshell.draw.plot import pictures, save_picture
 from kshell.errors import InputError
 from kshell.result.vtu import write_vtu
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
 
+Writer = Callable[[Path], object]  # writes one file at the path
 
-def save(result: Result, folder: str | os.PathLike[str], plots: bool = False) -> list[str]:
-    """See `Result.save`."""
+
+def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, Writer]) -> list[str]:
+    """Write result.json, result.vtu and the given pictures. See `Result.save`."""
     text = as_json(result)  # a NaN is found before anything is touched
-    writers: dict[str, Callable[[Path], object]] = {
+    writers: dict[str, Writer] = {
         "result.json": lambda path: path.write_text(text, encoding="utf-8"),
         "result.vtu": lambda path: write_vtu(path, result),
     }
     if result.analysis == "path":
         writers |= _series(result)
-        if result.probes:
-            writers["load_deflection.png"] = lambda path: save_picture(result, "load_deflection", path)
-    if plots:
-        for what in pictures(result):
-            writers[f"{what}.png"] = lambda path, what=what: save_picture(result, what, path)  # type: ignore[misc]
-    return write_together(Path(folder), writers)
+    return write_together(Path(folder), writers | dict(pictures))
 
 
-def _series(result: Result) -> dict[str, Callable[[Path], object]]:
+def _series(result: Result) -> dict[str, Writer]:
     """One .vtu per load step, and the .pvd that lists them by load factor."""
     names = [f"step-{number:04d}.vtu" for number in range(len(result.series))]
     lines = [
@@ -45,7 +41,7 @@ def _series(result: Result) -> dict[str, Callable[[Path], object]]:
         ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
         + [*lines, "  </Collection>", "</VTKFile>", ""]
     )
-    writers: dict[str, Callable[[Path], object]] = {
+    writers: dict[str, Writer] = {
         name: lambda path, make=make: write_vtu(path, make())  # type: ignore[misc]
         for name, (_, make) in zip(names, result.series, strict=True)
     }
@@ -58,7 +54,7 @@ def as_json(result: Result) -> str:
     return json.dumps(result.to_dict(), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
 
 
-def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> list[str]:
+def write_together(folder: Path, writers: dict[str, Writer]) -> list[str]:
     """Write several files into a folder, all or none.
 
     Each is written into a new folder beside its place first; only when all are complete they are moved.

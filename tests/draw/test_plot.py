@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from kshell.draw.plot import PICTURES
+from kshell.draw.pictures import PICTURES
 from kshell.draw.scene_plot import plot_scene
 from tests.scene.fabricated import fabricated_result, scene_on, square_mesh
 

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import kshell.geometry as g
+from kshell.draw import geometry_plot as plot
 from kshell.errors import InputError
-from kshell.geometry import plot
 
 mpl.use("Agg")
 

@@ -1,0 +1,37 @@
+"""The doors from a result up to what draws it: `Result.plot`, `Result.show` and the pictures of `Result.save`.
+
+What draws knows results, not the reverse. Users ask a result for its picture, though, so these three imports climb,
+the only ones in kshell that do; each is made when its door is opened.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kshell.result.result import Result
+
+
+def plot(result: Result, what: str) -> Figure:
+    """See `Result.plot`."""
+    from kshell.draw.plot import plot
+
+    return plot(result, what)
+
+
+def show(result: Result, what: str, scale: float | None, file: str | None) -> Any:
+    """See `Result.show`."""
+    from kshell.draw.view import show
+
+    return show(result, what, scale, file)
+
+
+def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], object]]:
+    """The pictures that `Result.save` writes: file name to function of the path."""
+    from kshell.draw.plot import picture_files
+
+    return picture_files(result, plots)
