@@ -86,6 +86,10 @@ class Factorisation(Prepared):
             return SolveError(f"the stiffness matrix is not positive definite ({reason})")
         return free_motion_error(self.matrix, x, stiffness, space)
 
+    def apply(self, rhs: Floats) -> Floats:
+        """One solution with the factors, for callers that refine by themselves with better residuals."""
+        return np.asarray(self._solve(rhs))
+
     def _times(self, x: Floats) -> Floats:
         return np.asarray(self.matrix @ x)
 

@@ -1,0 +1,295 @@
+"""The system of a plate: element matrices, elimination of what is inside triangles, factorisation, refinement.
+
+Refinement forms its residuals from strains of the deflection less the plane through the vertices of each triangle. In the
+hierarchic basis that plane is the vertices' own share, so that nothing cancels but the slopes. The entries of the
+matrix itself would leave eps / h^4 of the deflection, and moments out of equilibrium by as much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.plate.hhj.geometry import Triangles
+from kshell.plate.hhj.numbering import Held, Numbering
+from kshell.plate.hhj.tables import tables
+from kshell.solvers.checks import FREE_MOTION, softest_vector
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+DENSE_UP_TO = 350  # unknowns up to which a dense factorisation is the fastest (measured, with assembly)
+BLOCK = 2048  # triangles whose matrices are made at a time
+STEPS = 6
+ROUNDING = 1e-16
+
+
+@dataclass(frozen=True)
+class Spring:
+    """Springs in triangles: energy |rows u|^2 / 2 of local unknowns u.
+
+    Attributes
+    ----------
+    triangles : (n,) int array
+        A triangle may occur more than once.
+    rows : (n, r, m) array
+        Roots of stiffness times weight are part of them.
+    """
+
+    triangles: Ints
+    rows: Floats
+
+    def forces(self, u: Floats) -> Floats:
+        """(n, m) what the springs resist local unknowns (T, m) with."""
+        stretch = (self.rows @ u[self.triangles][..., None])[..., 0]
+        return (stretch[:, None] @ self.rows)[:, 0]
+
+
+@dataclass
+class Load:
+    """A load on local unknowns.
+
+    Attributes
+    ----------
+    local : (T, m) array
+    vertices : (vertex,) array
+        Point forces.
+    initial : (T, 3, k) array or None
+        Scaled strains that the plate takes up without moments (initial curvature).
+    """
+
+    local: Floats
+    vertices: Floats
+    initial: Floats | None = None
+
+
+@dataclass(frozen=True)
+class HHJSolution:
+    """A solution of order p.
+
+    Attributes
+    ----------
+    unknowns : (count,) array
+        Of the vertices and edges, see `Numbering`.
+    local : (T, m) array
+    strains : (T, 3, k) array
+        l, less the initial ones.
+    moments : (T, k, 3) array
+        Coefficients of m = C kappa (xx, yy, xy) in psi; bending moments are M = -m.
+    load : Load
+    work : float
+        Of the load on the whole deflection: twice the strain energy where nothing else acts.
+    corrections : tuple of float
+        Energy norm of the steps of refinement, relative to the first one, the solution itself.
+    """
+
+    unknowns: Floats
+    local: Floats
+    strains: Floats
+    moments: Floats
+    load: Load
+    work: float
+    corrections: tuple[float, ...] = field(default=())
+
+
+class HHJSystem:
+    """A plate of order p, ready for any number of loads.
+
+    Parameters
+    ----------
+    triangles : Triangles
+    order : int
+    stiffness : (3, 3) or (T, 3, 3) array
+        C of m = C (w_xx, w_yy, 2 w_xy).
+    held : Held
+    springs : list of Spring
+    method : str
+        Of `kshell.solvers.prepare`, where the system is not small.
+
+    Raises
+    ------
+    SolveError
+        If the plate is not held.
+    """
+
+    def __init__(
+        self,
+        triangles: Triangles,
+        order: int,
+        stiffness: Floats,
+        held: Held,
+        springs: tuple[Spring, ...] = (),
+        method: str = "direct",
+    ) -> None:
+        self.triangles, self.order, self.held, self.springs = triangles, order, held, springs
+        self.tables = tables(order)
+        self.stiffness = np.asarray(stiffness, dtype=np.float64)
+        self.factor: Floats = np.linalg.cholesky(self.stiffness).swapaxes(-1, -2)  # B, C = B^T B
+        self.map = triangles.strain_map(self.factor)
+        self.numbering = Numbering(triangles, order, held)
+        self.root = np.sqrt(triangles.area)
+        outer = self._eliminate()
+        self.solver, self.solver_name = _factorise(self.numbering, outer, method)
+
+    @property
+    def count(self) -> int:
+        """Number of unknowns of the system."""
+        return self.numbering.free_count
+
+    def rows(self, chosen: Any = slice(None)) -> Floats:
+        """(n, 3 k, m) l of some triangles as a matrix on the local unknowns."""
+        t = self.tables
+        g = self.map[chosen]
+        return (g.reshape(-1, 12) @ t.rows).reshape(len(g), 3 * t.moments, t.count)
+
+    def _eliminate(self) -> Floats:
+        """(T, o, o) element matrices without the inner unknowns; what takes them out and back is kept."""
+        t, n = self.tables, len(self.triangles)
+        o = t.outer
+        out = np.empty((n, o, o))
+        self.inner_inverse = np.empty((n, t.count - o, t.count - o))
+        self.back = np.empty((n, t.count - o, o))  # inner = inner_inverse f - back outer
+        for start in range(0, n, BLOCK):
+            block = slice(start, min(start + BLOCK, n))
+            rows = self.rows(block)
+            k = rows.swapaxes(1, 2) @ rows
+            for spring in self.springs:
+                here = np.flatnonzero((spring.triangles >= start) & (spring.triangles < block.stop))
+                part = spring.rows[here]
+                np.add.at(k, spring.triangles[here] - start, part.swapaxes(1, 2) @ part)
+            if t.count == o:
+                out[block] = k
+                continue
+            self.inner_inverse[block] = np.linalg.inv(k[:, o:, o:])
+            coupling = k[:, o:, :o]
+            self.back[block] = self.inner_inverse[block] @ coupling
+            out[block] = k[:, :o, :o] - coupling.swapaxes(1, 2) @ self.back[block]
+        return out
+
+    def relative(self, u: Floats) -> Floats:
+        """(T, m) local unknowns less the plane through the vertices of each triangle."""
+        out = u.copy()
+        first = self.tables.slopes(0).start
+        planes = (self.triangles.plane_slopes @ u[:, :3, None])[..., 0]
+        out[:, first : first + 3 * self.order : self.order] -= planes
+        out[:, :3] = 0.0
+        return out
+
+    def strains(self, u: Floats) -> Floats:
+        """(T, 3, k) l of local unknowns (T, m)."""
+        reference = (self.relative(u) @ self.tables.forward).reshape(len(u), 12, -1)
+        return self.map @ reference
+
+    def forces(self, strains: Floats) -> Floats:
+        """(T, m) l^T of scaled strains (T, 3, k)."""
+        reference = self.map.swapaxes(1, 2) @ strains
+        return reference.reshape(len(strains), -1) @ self.tables.forward.T
+
+    def no_load(self) -> Load:
+        """A load of zero, to be added to."""
+        return Load(np.zeros((len(self.triangles), self.tables.count)), np.zeros(self.numbering.vertices))
+
+    def solve(self, load: Load, given: bool = True) -> HHJSolution:
+        """The solution under a load, refined to rounding; ``given``: with the prescribed deflections, or at rest."""
+        o, numbering = self.tables.outer, self.numbering
+        prescribed = numbering.given(self.held) if given else None
+        d = np.zeros(numbering.count) if prescribed is None else prescribed
+        u = np.zeros((len(self.triangles), self.tables.count))
+        if prescribed is not None:
+            u[:, :o] = d[numbering.outer]
+        sizes: list[float] = []
+        for _ in range(STEPS):
+            residual = self._residual(load, u)
+            inner = (self.inner_inverse @ residual[:, o:, None])[..., 0]
+            # back^T f_i = K_oi K_ii^-1 f_i
+            right = numbering.gather(residual[:, :o] - (residual[:, None, o:] @ self.back)[:, 0])
+            at_vertices = load.vertices[numbering.free[: numbering.vertices]]
+            right[: len(at_vertices)] += at_vertices
+            free = self.solver(right) if len(right) else right
+            own = float((inner * residual[:, o:]).sum())
+            sizes.append(float(np.sqrt(abs(free @ right) + abs(own))))
+            step = numbering.scatter(free)
+            d = d + step
+            local = step[numbering.outer]
+            u[:, :o] = d[numbering.outer]
+            u[:, o:] += inner - (self.back @ local[..., None])[..., 0]
+            if _finished(sizes):
+                break
+        strains = self.strains(u)
+        if load.initial is not None:
+            strains = strains - load.initial
+        moments = strains.swapaxes(1, 2) @ self.factor / self.root[:, None, None]
+        work = float((load.local * u).sum() + load.vertices @ d[: numbering.vertices])
+        scale = max(sizes[0], 1e-300)
+        return HHJSolution(d, u, strains, moments, load, work, tuple(size / scale for size in sizes))
+
+    def _residual(self, load: Load, u: Floats) -> Floats:
+        strains = self.strains(u)
+        if load.initial is not None:
+            strains -= load.initial
+        out = load.local - self.forces(strains)
+        for spring in self.springs:
+            np.add.at(out, spring.triangles, -spring.forces(u))
+        return out
+
+
+def _finished(sizes: list[float]) -> bool:
+    """Whether another step of refinement would change nothing, or has stopped gaining."""
+    if sizes[0] == 0.0:
+        return True
+    if len(sizes) < 2:
+        return False
+    rate = sizes[-1] / max(sizes[-2], 1e-300)
+    return rate > 0.3 or sizes[-1] * rate < ROUNDING * sizes[0]
+
+
+def _factorise(
+    numbering: Numbering, outer: Floats, method: str
+) -> tuple[Callable[[Floats], Floats], str]:
+    """Sum of the element matrices, factorised."""
+    n, at = numbering.free_count, numbering.local_number
+    if n == 0:
+        return lambda right: right, "none"
+    if n <= DENSE_UP_TO:
+        solve = _dense(n, at, outer)
+        if solve is not None:
+            return solve, "Cholesky (LAPACK)"
+    import scipy.sparse as sp
+
+    from kshell.solvers.auto import choose
+    from kshell.solvers.direct import Factorisation
+
+    o = outer.shape[1]
+    row, column = np.repeat(at, o, axis=1).ravel(), np.tile(at, (1, o)).ravel()
+    keep = (row < n) & (column < n)
+    matrix = sp.coo_matrix((outer.ravel()[keep], (row[keep], column[keep])), shape=(n, n)).tocsr()
+    choice = choose(matrix, None, method)
+    assert choice.backend is not None  # multigrid is for other elements
+    factor = Factorisation(matrix, choice.backend, choice.why)
+    return factor.apply, factor.name
+
+
+def _dense(n: int, at: Ints, outer: Floats) -> Callable[[Floats], Floats] | None:
+    """Dense Cholesky; None where the matrix is singular or nearly so, for a sparse solver to find words."""
+    from scipy.linalg.lapack import dpotrf, dpotrs
+
+    live = at < n
+    both = live[:, :, None] & live[:, None]
+    place = at[:, :, None] * n + at[:, None]
+    full = np.bincount(place[both], outer[both], n * n).reshape(n, n)
+    diagonal = full.diagonal().copy()
+    if not (np.isfinite(diagonal).all() and (diagonal > 0).all()):
+        return None
+    factor, info = dpotrf(full.T, lower=1, clean=0)
+    if info != 0:
+        return None
+
+    def solve(right: Floats) -> Any:
+        return dpotrs(factor, right, lower=1)[0]
+
+    _, stiffness = softest_vector(full, solve)
+    return solve if stiffness > FREE_MOTION else None
