@@ -1,8 +1,8 @@
-"""Polynomials of any degree on the reference triangle: an orthonormal basis, and a hierarchic one for continuous functions.
+"""Polynomials of any degree on the reference triangle: an orthonormal basis, and a hierarchic one for continuity.
 
-Both come from recurrences, and no basis is inverted. The hierarchic functions are the hats of the vertices, bubbles of the
-edges and bubbles of the interior; each edge runs from its lower to its higher local vertex. An affine function is
-made of hats alone, so that taking it off a function costs no digits of the rest.
+Both come from recurrences, and no basis is inverted. The hierarchic functions are the hats of the vertices, bubbles
+of the edges and bubbles of the interior; each edge runs from its lower to its higher local vertex. An affine
+function is made of hats alone, so that taking it off a function costs no digits of the rest.
 
 Symbols
 -------
@@ -71,4 +71,3 @@ def hierarchic_jets(degree: int, points: Floats) -> Floats:
 def hierarchic(degree: int, points: Floats) -> Floats:
     """Values (..., n) of the hierarchic basis at points (..., 2)."""
     return hierarchic_jets(degree, points)[0]
-

@@ -1,8 +1,8 @@
 """Polynomials by recurrence, with their first and second derivatives: jets.
 
-A jet is an array (6, ...) of a function of two variables at points: value, d/dx, d/dy, d2/dx2, d2/dy2, d2/dxdy. Three-term
-recurrences on jets give orthogonal polynomials of any degree, and their derivatives, to a few roundings: no table of
-monomial coefficients, whose condition grows tenfold per degree, is ever inverted.
+A jet is an array (6, ...) of a function of two variables at points: value, d/dx, d/dy, d2/dx2, d2/dy2, d2/dxdy.
+Three-term recurrences on jets give orthogonal polynomials of any degree, and their derivatives, to a few roundings:
+no table of monomial coefficients, whose condition grows tenfold per degree, is ever inverted.
 """
 
 from __future__ import annotations
@@ -71,4 +71,5 @@ def scaled_legendre_jets(degree: int, x: Floats, t: Floats) -> list[Floats]:
 
 def legendre(degree: int, s: Floats) -> Floats:
     """Legendre polynomials of 2 s - 1, (..., degree + 1): orthogonal on [0, 1], with squares 1 / (2 n + 1)."""
-    return np.polynomial.legendre.legvander(2.0 * s - 1.0, degree)
+    out: Floats = np.polynomial.legendre.legvander(2.0 * s - 1.0, degree).astype(np.float64)
+    return out

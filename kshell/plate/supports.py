@@ -12,6 +12,7 @@ order of the element on curved ones. The Morley element holds its vertex and mid
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -49,12 +50,24 @@ class HeldGroup:
         Edges whose slope is held.
     line : (n,) int array
         Edges along which the deflection is held.
+    points : (n,) int array
+        Vertices at which the deflection alone is held, without an edge.
+    surface : (n,) int array
+        Triangles that are held whole.
+    turned : bool
+        Whether the rotation is held at single points.
+    value : function or None
+        Prescribed deflection at points (..., 2); None is zero.
     """
 
     label: str
     vertices: Ints
     edges: Ints
     line: Ints
+    points: Ints = field(default_factory=lambda: NONE)
+    surface: Ints = field(default_factory=lambda: NONE)
+    turned: bool = False
+    value: Callable[[Floats], Floats] | None = None
 
 
 @dataclass
@@ -143,6 +156,10 @@ class _Builder:
     def _value(self, support: Any, xy: Floats) -> Floats:
         return support.translation_at(points_3d(self.domain, xy))[..., 2]
 
+    def _prescribed(self, support: Any) -> Callable[[Floats], Floats] | None:
+        """The prescribed deflection as a function of the place."""
+        return None if support.value is None else lambda xy: self._value(support, xy)
+
     def _row(self, entries: dict[int, Floats | float], count: int) -> Floats:
         rows = np.zeros((count, self.layout.per_vertex))
         for dof, value in entries.items():
@@ -154,7 +171,7 @@ class _Builder:
         conditions = self.out.conditions
         if holds_r and not self.rich:
             raise InputError(
-                f"{what} on '{selection.label}': the Morley element has no rotation at a point; hold the "
+                f"{what} on '{selection.label}': this element has no rotation at a point; hold the "
                 'deflection there (simply_supported), clamp a short edge, or use element = "argyris"'
             )
         if holds_w:
@@ -165,7 +182,10 @@ class _Builder:
                 conditions.at_vertices(vertices, self._row({dof: 1.0}, len(vertices)))
                 conditions.slope_vertices.append(vertices)
                 conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
-        self.out.held.append(HeldGroup(selection.label, vertices, NONE, NONE))
+        points = vertices if holds_w else NONE
+        prescribed = self._prescribed(support)
+        group = HeldGroup(selection.label, vertices, NONE, NONE, points, turned=holds_r, value=prescribed)
+        self.out.held.append(group)
 
     def _surface(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
         if not holds_w:
@@ -187,7 +207,10 @@ class _Builder:
             self.out.conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
         edges = np.unique(self.mesh.triangle_edges[selection.members]).astype(np.int64)
         self.out.conditions.edges.append(edges)
-        self.out.held.append(HeldGroup(selection.label, vertices, edges, NONE))
+        surface = selection.members.astype(np.int64)
+        prescribed = self._prescribed(support)
+        group = HeldGroup(selection.label, vertices, edges, NONE, surface=surface, value=prescribed)
+        self.out.held.append(group)
 
     def _curves_of(self, edges: Ints) -> EdgeCurves:
         """Shape of a line of supports: the plate's own edge where it is one, a line inside elsewhere."""
@@ -236,7 +259,11 @@ class _Builder:
             self._curved_holds(support, edges, selection.label, holds_w, holds_r)
         held_vertices = vertices if holds_w or self.rich else NONE
         group = HeldGroup(
-            selection.label, held_vertices, edges if holds_r else NONE, edges if holds_w else NONE
+            selection.label,
+            held_vertices,
+            edges if holds_r else NONE,
+            edges if holds_w else NONE,
+            value=self._prescribed(support) if holds_w else None,
         )
         self.out.held.append(group)
 
@@ -365,7 +392,7 @@ class _Builder:
         if "r" in support.freedoms:
             if not self.rich:
                 raise InputError(
-                    f"{what} on '{selection.label}': the Morley element has no rotation at a point; use "
+                    f"{what} on '{selection.label}': this element has no rotation at a point; use "
                     'element = "argyris"'
                 )
             dofs += [1, 2]

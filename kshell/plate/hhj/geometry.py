@@ -1,4 +1,4 @@
-"""Straight triangles as the Hellan-Herrmann-Johnson element sees them: vertices in ascending order, strains in one product.
+"""Straight triangles as this element sees them: vertices in ascending order, strains in one product.
 
 With the vertices of every triangle in ascending order its local edges (0, 1), (1, 2), (0, 2) all run from the lower to
 the higher vertex, as the edges of the mesh do, and neighbours agree on all polynomials along an edge without any sign.
@@ -98,7 +98,9 @@ class Triangles:
         nx, ny = self.normals[..., 0], self.normals[..., 1]
         outer = np.stack([nx * nx, ny * ny, 2 * nx * ny], axis=1)  # (T, component, edge)
         slope = (factor @ outer) * (self.outward[:, None] / root)
-        across = self.lengths[..., None] * (self.normals @ self.inverse.swapaxes(1, 2))  # (T, edge, reference)
+        across = self.lengths[..., None] * (
+            self.normals @ self.inverse.swapaxes(1, 2)
+        )  # (T, edge, reference)
         out[..., 3:9] = (slope[..., None] * across[:, None]).reshape(len(self), 3, 6)
         out[..., 9:] = slope
         return out
@@ -108,4 +110,3 @@ class Triangles:
         """(T, edge, vertex): length times normal derivative of the hats, the slopes of an affine deflection."""
         gradient = GRADIENTS @ self.inverse  # (T, vertex, xy)
         return self.lengths[..., None] * (self.normals @ gradient.swapaxes(1, 2))
-

@@ -80,7 +80,10 @@ class Numbering:
 
     def gather(self, local: Floats) -> Floats:
         """(free,) sum of local vectors (T, o); what belongs to held unknowns is left out."""
-        return np.bincount(self.local_number.ravel(), local.ravel(), self.free_count + 1)[:-1]
+        out: Floats = np.bincount(self.local_number.ravel(), local.ravel(), self.free_count + 1).astype(
+            np.float64
+        )
+        return out[:-1]
 
     def scatter(self, free: Floats) -> Floats:
         """(count,) all unknowns of free ones, zero where held."""

@@ -1,8 +1,8 @@
 """The system of a plate: element matrices, elimination of what is inside triangles, factorisation, refinement.
 
-Refinement forms its residuals from strains of the deflection less the plane through the vertices of each triangle. In the
-hierarchic basis that plane is the vertices' own share, so that nothing cancels but the slopes. The entries of the
-matrix itself would leave eps / h^4 of the deflection, and moments out of equilibrium by as much.
+Refinement forms its residuals from strains of the deflection less the plane through the vertices of each triangle.
+In the hierarchic basis that plane is the vertices' own share, so that nothing cancels but the slopes. The entries of
+the matrix itself would leave eps / h^4 of the deflection, and moments out of equilibrium by as much.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from kshell.plate.hhj.tables import tables
 from kshell.solvers.checks import FREE_MOTION, softest_vector
 
 Floats = NDArray[np.float64]
+Solve = Callable[[Any], Any]
 Ints = NDArray[np.int64]
 
 DENSE_UP_TO = 350  # unknowns up to which a dense factorisation is the fastest (measured, with assembly)
@@ -128,7 +129,8 @@ class HHJSystem:
         self.triangles, self.order, self.held, self.springs = triangles, order, held, springs
         self.tables = tables(order)
         self.stiffness = np.asarray(stiffness, dtype=np.float64)
-        self.factor: Floats = np.linalg.cholesky(self.stiffness).swapaxes(-1, -2)  # B, C = B^T B
+        low: Floats = np.linalg.cholesky(self.stiffness).astype(np.float64)
+        self.factor = low.swapaxes(-1, -2)  # B, C = B^T B
         self.map = triangles.strain_map(self.factor)
         self.numbering = Numbering(triangles, order, held)
         self.root = np.sqrt(triangles.area)
@@ -247,9 +249,7 @@ def _finished(sizes: list[float]) -> bool:
     return rate > 0.3 or sizes[-1] * rate < ROUNDING * sizes[0]
 
 
-def _factorise(
-    numbering: Numbering, outer: Floats, method: str
-) -> tuple[Callable[[Floats], Floats], str]:
+def _factorise(numbering: Numbering, outer: Floats, method: str) -> tuple[Solve, str]:
     """Sum of the element matrices, factorised."""
     n, at = numbering.free_count, numbering.local_number
     if n == 0:
@@ -273,7 +273,7 @@ def _factorise(
     return factor.apply, factor.name
 
 
-def _dense(n: int, at: Ints, outer: Floats) -> Callable[[Floats], Floats] | None:
+def _dense(n: int, at: Ints, outer: Floats) -> Solve | None:
     """Dense Cholesky; None where the matrix is singular or nearly so, for a sparse solver to find words."""
     from scipy.linalg.lapack import dpotrf, dpotrs
 
@@ -288,7 +288,7 @@ def _dense(n: int, at: Ints, outer: Floats) -> Callable[[Floats], Floats] | None
     if info != 0:
         return None
 
-    def solve(right: Floats) -> Any:
+    def solve(right: Any) -> Any:
         return dpotrs(factor, right, lower=1)[0]
 
     _, stiffness = softest_vector(full, solve)

@@ -143,7 +143,7 @@ def tables(order: int) -> Tables:
 
 @lru_cache(maxsize=32)
 def canonical(order: int, degree: int) -> Floats:
-    """The canonical interpolant of a polynomial of a degree, between hierarchic coefficients: (n of order, n of degree).
+    """Canonical interpolant of polynomials of a degree, between hierarchic coefficients: (n of order, n of degree).
 
     It keeps values at vertices, moments on edges to degree order - 2 and inside to degree order - 3. For moments m of
     the element, div div m acts on a smooth v as it acts on the interpolant of v (Brezzi & Raviart 1976; Comodi 1989).

@@ -1,0 +1,192 @@
+"""From supports, springs and loads of a plate, as `kshell.plate` reads them from a scene, to those of this element.
+
+Both elements of a pair of bounds are told the same: what an Argyris or Morley problem holds and carries is taken
+over edge by edge and triangle by triangle, and integrated with rules that are exact for the same polynomials.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements.hierarchic import orthonormal
+from kshell.elements.quadrature import interval_rule, triangle_rule
+from kshell.errors import InputError
+from kshell.material.section import Section
+from kshell.plate.forms import AreaSpring, EdgeSpring, PointSpring
+from kshell.plate.hhj.geometry import Triangles
+from kshell.plate.hhj.numbering import Held, edge_coefficients
+from kshell.plate.hhj.system import HHJSystem, Load, Spring
+from kshell.plate.hhj.tables import tables
+from kshell.plate.loading import LOAD_DEGREE, AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
+from kshell.plate.supports import Supports
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+VARYING = 6  # degree of a varying stiffness that is integrated exactly
+
+
+def bending_stiffness(section: Section) -> Floats:
+    """C, (3, 3) where it is the same everywhere, else (T, 3, 3)."""
+    every = section.bending_per_triangle()
+    return np.array(every[0]) if every.strides[0] == 0 or len(every) == 1 else np.array(every)
+
+
+def held(triangles: Triangles, order: int, supports: Supports) -> Held:
+    """What supports hold, for a mesh with straight edges."""
+    mesh = triangles.mesh
+    groups = supports.held
+    for group in groups:
+        if group.turned:
+            raise InputError(
+                f"support on '{group.label}': this element has no rotation at a point; hold the deflection there "
+                'alone, clamp a short edge, or use element = "argyris"'
+            )
+        if len(group.surface):
+            raise InputError(
+                f"support on '{group.label}': a surface is held: the element hhj is held at points and curves; cut the "
+                'surface out of the mesh and clamp its edge, or use element = "argyris"'
+            )
+    out = Held(
+        np.unique(np.concatenate([group.points for group in groups])) if groups else np.zeros(0, np.int64),
+        np.unique(np.concatenate([group.line for group in groups])) if groups else np.zeros(0, np.int64),
+        np.unique(np.concatenate([group.edges for group in groups])) if groups else np.zeros(0, np.int64),
+    )
+    if all(group.value is None for group in groups):
+        return out
+    at_vertices = np.zeros(len(mesh.points))
+    at_edges = np.zeros((len(mesh.edges), order - 1))
+    points = mesh.points[:, :2]
+    s, _ = interval_rule(order + 6)
+    for group in groups:
+        if group.value is None:
+            continue
+        own = np.unique(np.concatenate([group.points, mesh.edges[group.line].ravel()])).astype(np.int64)
+        at_vertices[own] = group.value(points[own])
+        if len(group.line):
+            ends = points[mesh.edges[group.line]]
+            along = ends[:, :1] + s[:, None] * (ends[:, 1:] - ends[:, :1])
+            coefficients = edge_coefficients(group.value(along), at_vertices[mesh.edges[group.line]], order)
+            size = np.abs(at_vertices).max() + 1e-300
+            coefficients[np.abs(coefficients) < 1e-14 * size] = 0.0
+            at_edges[group.line] = coefficients
+    out.values = (at_vertices, at_edges)
+    return out
+
+
+def springs(triangles: Triangles, order: int, supports: Supports) -> tuple[Spring, ...]:
+    """Elastic supports as roots of their energies."""
+    t, mesh = tables(order), triangles.mesh
+    out = []
+    for label, form in supports.springs:
+        if isinstance(form, AreaSpring):
+            xi, w = triangle_rule(2 * order + VARYING)
+            k = form.stiffness(triangles.xy(xi, form.triangles))
+            root = np.sqrt(k * w * triangles.area[form.triangles, None])
+            out.append(Spring(form.triangles, root[..., None] * t.inside(xi)))
+        elif isinstance(form, EdgeSpring):
+            s, w = interval_rule(order + 1 + VARYING // 2)
+            owner, place = _places(triangles, form.edges)
+            k = form.stiffness(_along(triangles, form.edges, s))
+            size = triangles.lengths[owner, place][:, None]
+            root = np.sqrt(k * w * (1.0 / size if form.rotation else size))
+            rows = np.stack([(t.slopes_on_edge if form.rotation else t.on_edge)(e, s) for e in range(3)])
+            out.append(Spring(owner, root[..., None] * rows[place]))
+        elif isinstance(form, PointSpring):
+            step = len(form.element.vertex_powers)
+            local = np.abs(form.rows).argmax(axis=1)
+            if np.any(local % step):
+                raise InputError(
+                    f"support elastic on '{label}': this element has no rotation at a point; use "
+                    'element = "argyris"'
+                )
+            vertex = mesh.triangles[form.triangles, local // step]
+            place = (triangles.corners[form.triangles] == vertex[:, None]).argmax(axis=1)
+            rows = np.zeros((len(vertex), 1, t.count))
+            rows[np.arange(len(vertex)), 0, place] = np.sqrt(form.stiffness)
+            out.append(Spring(form.triangles, rows))
+    return tuple(out)
+
+
+def load(system: HHJSystem, forms: list[LinearForm]) -> Load:
+    """The sum of some loads."""
+    out = system.no_load()
+    for form in forms:
+        if isinstance(form, AreaLoad):
+            _pressure(system, out, form)
+        elif isinstance(form, EdgeLoad):
+            _on_edges(system, out, form)
+        elif isinstance(form, PointLoad):
+            _at_point(system, out, form)
+        elif isinstance(form, CurvatureLoad):
+            _curvature(system, out, form)
+    return out
+
+
+def vertex_of(form: PointLoad, points: Floats) -> int:
+    """The vertex a point load acts at."""
+    corners = form.domain.mesh.triangles[form.triangles[0]]
+    return int(corners[np.abs(points[corners] - form.xy).sum(axis=1).argmin()])
+
+
+def _places(triangles: Triangles, edges: Ints) -> tuple[Ints, Ints]:
+    """One triangle at each edge, and the edge's place in it."""
+    owner, local = triangles.mesh.edge_owner[edges].astype(np.int64).T
+    return owner, triangles.local[owner, local]
+
+
+def _along(triangles: Triangles, edges: Ints, s: Floats) -> Floats:
+    """(n, point, 2) points along edges, from the lower to the higher vertex."""
+    ends = triangles.mesh.points[triangles.mesh.edges[edges], :2]
+    return ends[:, :1] + s[:, None] * (ends[:, 1:] - ends[:, :1])
+
+
+def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
+    triangles, t = system.triangles, system.tables
+    chosen = np.arange(len(triangles)) if form.triangles is None else form.triangles
+    if not callable(form.pressure):
+        out.local[chosen] += form.pressure * triangles.area[chosen, None] * t.load
+        return
+    xi, w = triangle_rule(system.order + LOAD_DEGREE)
+    values = form.values(chosen, triangles.xy(xi, chosen))
+    out.local[chosen] += (values * w * triangles.area[chosen, None]) @ t.inside(xi)
+
+
+def _on_edges(system: HHJSystem, out: Load, form: EdgeLoad) -> None:
+    triangles, t = system.triangles, system.tables
+    s, w = interval_rule(system.order + 1 + LOAD_DEGREE // 2)
+    owner, place = _places(triangles, form.edges)
+    value = form.value(_along(triangles, form.edges, s)) * w
+    if form.moment:  # - m dw/dn, alpha = length dw/dn along the edge's own normal
+        value = -value * triangles.outward[owner, place][:, None]
+    else:
+        value = value * triangles.lengths[owner, place][:, None]
+    rows = np.stack([(t.slopes_on_edge if form.moment else t.on_edge)(e, s) for e in range(3)])
+    np.add.at(out.local, owner, (value[:, None] @ rows[place])[:, 0])
+
+
+def _at_point(system: HHJSystem, out: Load, form: PointLoad) -> None:
+    triangles, t = system.triangles, system.tables
+    force, mx, my = form.total
+    vertex = vertex_of(form, triangles.mesh.points[:, :2])
+    out.vertices[vertex] += force
+    if mx == 0.0 and my == 0.0:
+        return
+    around, place = np.nonzero(triangles.corners == vertex)
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    reference = t.gradients(corners)[place]  # (n, 2, m)
+    gradient = triangles.inverse[around].swapaxes(1, 2) @ reference
+    out.local[around] += (mx * gradient[:, 1] - my * gradient[:, 0]) / len(around)
+
+
+def _curvature(system: HHJSystem, out: Load, form: CurvatureLoad) -> None:
+    triangles = system.triangles
+    chosen = np.arange(len(triangles)) if form.triangles is None else form.triangles
+    xi, w = triangle_rule(system.order - 1 + LOAD_DEGREE)
+    curvature = form.curvature(triangles.xy(xi, chosen))  # (n, point, 3)
+    factor = system.factor if system.factor.ndim == 2 else system.factor[chosen]
+    means = (curvature * w[:, None]).swapaxes(1, 2) @ orthonormal(system.order - 1, xi)  # (n, 3, k)
+    if out.initial is None:
+        out.initial = np.zeros((len(triangles), 3, system.tables.moments))
+    out.initial[chosen] += system.root[chosen, None, None] * (factor @ means)
