@@ -22,7 +22,7 @@ from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loads import Loads
-from kshell.plate.locate import Located, Locator
+from kshell.plate.points import Located, PlatePoints
 from kshell.plate.supports import points_3d
 
 Floats = NDArray[np.float64]
@@ -201,9 +201,9 @@ class Fields:
         return (top[:, 0] @ kappa)[..., 0], (bottom[:, 0] @ kappa)[..., 0]
 
     @cached_property
-    def locator(self) -> Locator:
+    def locator(self) -> PlatePoints:
         """For values anywhere."""
-        return Locator(self.domain)
+        return PlatePoints(self.domain)
 
     def at(self, points: Floats) -> dict[str, Floats]:
         """Fields at points (n, 3) or (n, 2), or at the nearest points of the plate.

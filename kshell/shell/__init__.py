@@ -18,5 +18,5 @@ model.py, problem.py            solve a scene: `solve_shell`
 discretisation.py, argyris_discretisation.py, chart_recovery.py  both discretisations as scenes need them
 scene_supports.py, scene_loads.py, scene_reactions.py            the words of a scene
 held.py, shape_checks.py        rigid motions that nothing holds; doubtful shapes
-fields.py, locate.py            values at vertices and at any point
+fields.py                       values at vertices and at any point
 """

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from kshell.material.section import Section
 from kshell.material.tensors import principal, von_mises
+from kshell.mesh.closest import Nearest
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
 from kshell.shell.frames import plane_tangents, tangent_frame
 from kshell.shell.koiter.recovery import Resultants
-from kshell.shell.locate import Nearest
 from kshell.shell.reference import VERTICES
 
 Floats = NDArray[np.float64]

@@ -17,13 +17,13 @@ from kshell.errors import InputError
 from kshell.material.materials import rotated
 from kshell.material.section import Section, shell_section
 from kshell.mesh import quadratic
+from kshell.mesh.closest import Locator
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.scene.on_chart import lifted, mesh_in_space
 from kshell.scene.scene import Scene
 from kshell.shell.held import require_held
 from kshell.shell.koiter.discretisation import USE_KOITER, KoiterDiscretisation
-from kshell.shell.locate import Locator
 from kshell.shell.scene_loads import SceneLoads, apply_loads
 from kshell.shell.scene_supports import SceneSupports, apply_supports, hinge_edges
 from kshell.shell.section import Section as Stiffness
@@ -126,7 +126,7 @@ class ShellProblem:
     @cached_property
     def locator(self) -> Locator:
         """Of points on the surface at rest."""
-        return Locator(self.space)
+        return Locator.of(self.space)
 
     def forces_at(self, state: State) -> list[Floats]:
         """(unknowns,) force of each load in a state."""

@@ -1,0 +1,71 @@
+"""Points of a plate: the triangle each lies in, or the nearest point of the plate where it lies in none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.mesh.closest import Locator
+from kshell.plate.domain import Domain
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+# distance from a triangle at a curved edge, in its size, below which a point lies on the plate: between the true edge
+# and the parabola through its ends and its middle
+AT_CURVE = 1e-3
+ROUNDING = 1e-12  # the same at straight edges
+
+
+@dataclass(frozen=True)
+class Located:
+    """Points in triangles.
+
+    Attributes
+    ----------
+    triangles : (n,) int array
+    xi : (n, 1, 2) array
+        Reference coordinates in the straight triangle; beyond it, for points between a chord and its curved edge.
+    xy : (n, 2) array
+        The points used: the nearest ones of the plate.
+    distance : (n,) array
+        How far they were moved.
+    """
+
+    triangles: Ints
+    xi: Floats
+    xy: Floats
+    distance: Floats
+
+
+class PlatePoints:
+    """Point location on a planar mesh with curved edges."""
+
+    def __init__(self, domain: Domain) -> None:
+        self.domain = domain
+
+    @cached_property
+    def _locator(self) -> Locator:
+        """Of the triangles in the plane z = 0, of order 2 where there are curved edges."""
+        domain, mesh = self.domain, self.domain.mesh
+        curves = domain.boundary
+        nodes = domain.points[mesh.triangles]
+        if curves.curved.any():
+            middles = domain.points[mesh.edges].mean(axis=1)
+            middles[curves.edges] += curves.deviation(np.arange(len(curves.edges)), np.array([0.5]))[:, 0]
+            nodes = np.concatenate([nodes, middles[mesh.triangle_edges]], axis=1)
+        return Locator(np.concatenate([nodes, np.zeros((*nodes.shape[:2], 1))], axis=2))
+
+    def find(self, xy: Floats) -> Located:
+        """Locate points (n, 2)."""
+        found = self._locator.find(np.concatenate([xy, np.zeros((len(xy), 1))], axis=1))
+        triangles, nearest = found.triangles, found.x[:, :2].copy()
+        affine = self.domain.affine(triangles)
+        tolerance = np.where(self.domain.is_curved[triangles], AT_CURVE, ROUNDING)
+        close = found.distance < tolerance * np.sqrt(np.abs(affine.determinant))
+        nearest[close] = xy[close]
+        xi = affine.reference_coordinates(nearest[:, None])
+        return Located(triangles, xi, nearest, np.where(close, 0.0, found.distance))
