@@ -106,7 +106,8 @@ class Locator:
             return self._closest(p, of, triangle)
         step = max(1, MANY // 64)
         parts = [
-            self._closest(p[:, k : k + step], *self._near(p[:, k : k + step])) for k in range(0, p.shape[1], step)
+            self._closest(p[:, k : k + step], *self._near(p[:, k : k + step]))
+            for k in range(0, p.shape[1], step)
         ]
         return Nearest(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 

@@ -30,9 +30,7 @@ def sampled(nodes, points, n=40):
     """Distances from samples of all triangles, and by how much they may be too large."""
     at = np.array([(i / n, j / n) for i in range(n + 1) for j in range(n + 1 - i)])
     whole = np.moveaxis(nodes, 0, 2)
-    samples = np.concatenate(
-        [feet.place(whole, np.tile(rs[:, None], (1, whole.shape[2]))).T for rs in at]
-    )
+    samples = np.concatenate([feet.place(whole, np.tile(rs[:, None], (1, whole.shape[2]))).T for rs in at])
     reach = 2 * np.linalg.norm(nodes - nodes[:, :1], axis=2).max() / n
     return cKDTree(samples).query(points)[0], reach
 
