@@ -207,8 +207,8 @@ def trace(
 @app.command()
 def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
     """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
+    from kshell.analysis.check import check_mesh, check_scene
     from kshell.cli.terminal import print_findings
-    from kshell.scene.checking import check_mesh, check_scene
 
     if is_scene(source):
         from kshell.scene.scene import Scene

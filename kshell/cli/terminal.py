@@ -16,9 +16,9 @@ from kshell.mesh.words import place
 if TYPE_CHECKING:
     from rich.status import Status
 
+    from kshell.analysis.check import Findings
     from kshell.mesh.quality import Quality, Summary
     from kshell.result.result import Result
-    from kshell.scene.checking import Findings
 
 PATIENCE = 1.0  # seconds before progress is shown
 
