@@ -169,23 +169,24 @@ def _lowest(pencil: Pencil, count: int) -> Spectrum:
         tau = _between(values[behind - 1], values[behind])
         below = _count_below(pencil, tau)
         missing = 0 if below is None else below - pencil.rigid.shape[1] - behind
-        if missing <= 0:
-            found = Spectrum(values, vectors, below is not None and missing == 0, factor.name, solves)
-            if missing < 0:
-                found.notes.append(
-                    f"{behind} modes were found up to the last one, a count says {behind + missing}: "
-                    "rounding in the matrices; look at the modes"
-                )
-            if below is None:
-                found.notes.append(NOT_COUNTED)
-            return finished(pencil, values, vectors, found, count, factor.solve)
-        note = f"{missing} modes are missing by count"
-        wanted += 2 * missing + BEYOND
+        if missing > 0:
+            note = f"{missing} modes are missing by count"
+            wanted += 2 * missing + BEYOND
+            continue
+        found = _spectrum(values, vectors, factor, sigma, solves)
+        found.checked = below is not None and missing == 0
+        if missing < 0:
+            found.notes.append(
+                f"{behind} modes were found up to the last one, a count says {behind + missing}: "
+                "rounding in the matrices; look at the modes"
+            )
+        if below is None:
+            found.notes.append(NOT_COUNTED)
+        return finished(pencil, values, vectors, found, count)
     if "gap" in note:
-        found = Spectrum(
-            values, vectors, False, factor.name, solves, [f"that none was missed is not checked: {note}"]
-        )
-        return finished(pencil, values, vectors, found, count, factor.solve)
+        found = _spectrum(values, vectors, factor, sigma, solves)
+        found.notes.append(f"that none was missed is not checked: {note}")
+        return finished(pencil, values, vectors, found, count)
     raise SolveError(
         f"{note} after {ATTEMPTS} attempts: the iteration does not find them; refine or mend the mesh"
     )
@@ -195,9 +196,13 @@ def _near(pencil: Pencil, count: int, shift: float, attempt: int = 1) -> Spectru
     """Those next to a shift."""
     factor = _factor(pencil, shift, False)
     values, vectors, used = _lanczos(pencil, count, shift, factor, attempt)
-    return finished(
-        pencil, values, vectors, Spectrum(values, vectors, False, factor.name, used), None, factor.solve
-    )
+    return finished(pencil, values, vectors, _spectrum(values, vectors, factor, shift, used))
+
+
+def _spectrum(
+    values: Floats, vectors: Floats, factor: SymmetricFactor, sigma: float, solves: int
+) -> Spectrum:
+    return Spectrum(values, vectors, solver=factor.name, solves=solves, solve=factor.solve, shift=-sigma)
 
 
 def _shift_below(pencil: Pencil) -> tuple[float, SymmetricFactor]:

@@ -53,6 +53,9 @@ class Spectrum:
         Solutions with the factor.
     notes : list of str
         What to say about the check.
+    solve : callable or None
+        The solution with K + shift M, where the matrix is sparse.
+    shift : float
     """
 
     values: Floats
@@ -61,6 +64,8 @@ class Spectrum:
     solver: str = ""
     solves: int = 0
     notes: list[str] = field(default_factory=list)
+    solve: Callable[[Any], Any] | None = field(default=None, repr=False)
+    shift: float = 0.0
 
 
 def massive_unknowns(mass: Any) -> int:
@@ -76,16 +81,11 @@ def deflated(pencil: Pencil, x: Floats) -> Floats:
 
 
 def finished(
-    pencil: Pencil,
-    values: Floats,
-    vectors: Floats,
-    found: Spectrum,
-    keep: int | None = None,
-    solve: Callable[[Any], Any] | None = None,
+    pencil: Pencil, values: Floats, vectors: Floats, found: Spectrum, keep: int | None = None
 ) -> Spectrum:
     """Sharpened through strains, in order, in a basis of clusters that does not depend on the start vector."""
     if len(values):
-        values, vectors = _sharpened(pencil, values, vectors, solve)
+        values, vectors = _sharpened(pencil, values, vectors, found.solve)
     found.values, found.vectors = values, canonical(values, vectors, np.sqrt(pencil.mass.diagonal()))
     if keep is not None:
         found.values, found.vectors = found.values[:keep], found.vectors[:, :keep]
