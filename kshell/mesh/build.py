@@ -172,7 +172,7 @@ def _groups(
     """Groups in vertex, edge and triangle numbers of `mesh`, under names that are unique."""
     parts: dict[tuple[str, int], list[RawGroup]] = defaultdict(list)
     for group in raw.groups:
-        parts[group.name or f"{group.dimension}:{group.tag}", group.dimension].append(group)
+        parts[group.name.strip() or f"{group.dimension}:{group.tag}", group.dimension].append(group)
     dimensions_of: dict[str, list[int]] = defaultdict(list)
     for name, dimension in parts:
         dimensions_of[name].append(dimension)
@@ -191,7 +191,7 @@ def _groups(
         for indices, _ in found:
             is_member[indices] = True
         members = np.flatnonzero(is_member).astype(np.int32)
-        lost = sum(n for _, n in found)
+        lost = sum(n for _, n in found) + sum(group.lost for group in stored)
         groups[key] = Group(dimension, members, tags[0] if tags else None, lost)
         if lost:
             notes.append(

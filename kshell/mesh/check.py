@@ -28,22 +28,22 @@ NO_AREA = 1e-10
 FLAT = 1e-9
 
 HOW_TO_TRIANGLES = {
-    "quadrilaterals": "In the .geo file remove `Recombine Surface`, `Transfinite ... Recombine` and "
-    "`Mesh.RecombineAll`; in Python leave out `gmsh.model.mesh.setRecombine`; a file without its geometry "
-    "is split by scikit-fem's `MeshQuad.load(...).to_meshtri()`",
     "solid cells": "kshell models the midsurface of a thin body: describe that surface, and mesh in two "
     "dimensions, `gmsh -2 file.geo`, without a Physical Volume",
     "triangles of order 3 or higher": "Set `Mesh.ElementOrder = 2;` (or 1) and mesh again",
+    "quadrilaterals of order 3 or higher": "Set `Mesh.ElementOrder = 2;` (or 1) and mesh again",
 }
 
 
 def only_triangles(raw: RawMesh) -> None:
-    """Raise if the mesh has no triangles, or cells that are neither triangles, lines nor points."""
+    """Raise if the mesh has no triangles, or cells that are none of a surface mesh."""
     if raw.other_cells:
         what = " and ".join(f"{number} {kind}" for kind, number in raw.other_cells.items())
         first = next(iter(raw.other_cells))
         how = HOW_TO_TRIANGLES.get(first, "Mesh again with triangles")
-        raise InputError(f"{raw.source}: has {what}, but kshell takes triangles only. {how}")
+        raise InputError(
+            f"{raw.source}: has {what}, but kshell takes triangles and quadrilaterals of order 1 or 2. {how}"
+        )
     if len(raw.triangles):
         return
     if raw.segments:

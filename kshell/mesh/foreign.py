@@ -15,8 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.mesh.formats.found import DIMENSIONS, HIGHER, SOLID, Found
 from kshell.mesh.mesh import EDGE_VERTICES
 from kshell.mesh.raw import RawGroup, RawMesh
+from kshell.mesh.words import count
 
 Ints = NDArray[np.int64]
 
@@ -26,10 +28,16 @@ READER_ERRORS = (
     SyntaxError, ImportError, struct.error, SystemExit,
 )  # fmt: skip
 
-TRIANGLES = ("triangle", "triangle6")
-LINES = ("line", "line3")
-# cell data in which file formats number their groups: gmsh, Medit, Nastran
-NUMBERED_GROUPS = ("gmsh:physical", "medit:ref", "nastran:ref")
+# the cell types of meshio that are taken
+KINDS = {
+    "point": ("vertex",),
+    "line": ("line", "line3"),
+    "triangle": ("triangle", "triangle6", "triangle7"),
+    "quadrilateral": ("quad", "quad8", "quad9"),
+}
+# cell data in which file formats number their groups: gmsh, Medit, gmsh's .vtk and .vtu
+NUMBERED_GROUPS = ("gmsh:physical", "medit:ref", "CellEntityIds")
+MOST_NUMBERS = 1000  # different whole numbers in cell data that may stand for groups
 
 
 def read_foreign(path: Path) -> RawMesh:
@@ -113,103 +121,87 @@ def _from_skfem(mesh: Any, source: str) -> RawMesh:
 
 
 def _from_meshio(mesh: Any, source: str) -> RawMesh:
-    points = _in_space(np.asarray(mesh.points, dtype=float))
-    triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]
-    other: dict[str, int] = {}
-    segments = n_triangles = 0
-    cells_of: list[tuple[int, Ints] | None] = []  # of each block: dimension and cells as RawGroup wants them
+    found = Found(_in_space(np.asarray(mesh.points, dtype=float)), source)
+    cells_of = []  # of each block
     for block in mesh.cells:
-        data = np.asarray(block.data)
-        if block.type in TRIANGLES:
-            triangles.append(data.astype(np.int64))
-            cells_of.append((2, np.arange(n_triangles, n_triangles + len(data))))
-            n_triangles += len(data)
-        elif block.type in LINES:
-            segments += len(data)
-            cells_of.append((1, data[:, :2].astype(np.int64)))
-        elif block.type == "vertex":
-            cells_of.append((0, data.ravel().astype(np.int64)))
-        else:
-            kind = _kind_of_other(block.type)
-            other[kind] = other.get(kind, 0) + len(data)
-            cells_of.append(None)
-    width = max(t.shape[1] for t in triangles)
-    stacked = np.concatenate(
-        [np.pad(t, ((0, 0), (0, width - t.shape[1])), constant_values=-1) for t in triangles]
-    )
-    groups = _cell_sets(mesh, cells_of) + _numbered(mesh, cells_of)
-    raw = RawMesh(points, stacked, groups, source, other, segments)
-    raw.groups += _point_sets(mesh, stacked, raw.notes)
-    return raw
-
-
-def _cell_sets(mesh: Any, cells_of: list[tuple[int, Ints] | None]) -> list[RawGroup]:
-    """Named sets of cells; a set with cells of several dimensions becomes several groups."""
-    groups = []
+        kind = _kind(block.type, np.shape(block.data))
+        cells = found.add(kind, np.asarray(block.data))
+        cells_of.append(cells)
+        if block.type == "triangle7":
+            found.notes.append(
+                f"{count(len(cells), 'triangle')} of 7 nodes taken by their first 6, without the centre"
+            )
     for name, by_block in mesh.cell_sets.items():
         if name.startswith("gmsh:"):  # not a group: meshio keeps the topology of entities there
             continue
-        parts: dict[int, list[Ints]] = {}
-        for block, chosen in zip(cells_of, by_block, strict=True):
-            if block is not None and chosen is not None and len(chosen):
-                parts.setdefault(block[0], []).append(block[1][np.asarray(chosen, dtype=np.int64)])
-        tag = mesh.field_data.get(name, [None])[0]
-        groups += [
-            RawGroup(name, dimension, np.concatenate(cells), None if tag is None else int(tag))
-            for dimension, cells in parts.items()
-        ]
-    return groups
+        for cells, chosen in zip(cells_of, by_block, strict=True):
+            if chosen is not None:
+                found.put(name, cells[np.asarray(chosen, dtype=np.int64)])
+        if name in mesh.field_data:
+            found.tags[name] = int(mesh.field_data[name][0])
+    for name, nodes in mesh.point_sets.items():
+        found.put_nodes(name, np.asarray(nodes, dtype=np.int64).ravel())
+    raw = found.raw()
+    raw.groups += _numbered(mesh, found, cells_of)
+    return raw
 
 
-def _numbered(mesh: Any, cells_of: list[tuple[int, Ints] | None]) -> list[RawGroup]:
+def _numbered(mesh: Any, found: Found, cells_of: list[Ints]) -> list[RawGroup]:
     """Groups that are numbers in the cell data, named through the field data where it knows them."""
     names = {(int(dimension), int(tag)): name for name, (tag, dimension) in _named_tags(mesh)}
-    parts: dict[tuple[int, int], list[Ints]] = {}
-    for key in NUMBERED_GROUPS:
-        for block, numbers in zip(cells_of, mesh.cell_data.get(key, []), strict=False):
-            if block is None:
-                continue
-            for tag in np.unique(numbers).tolist():
+    dimensions = [DIMENSIONS.get(kind, -1) for kind, _ in found.blocks]
+    numbered = Found(found.points, found.source, found.blocks)
+    keys: list[tuple[str, tuple[int, int]]] = []
+    for array in _group_arrays(mesh):
+        for dimension, cells, numbers in zip(dimensions, cells_of, mesh.cell_data[array], strict=False):
+            for tag in np.unique(numbers).tolist() if dimension >= 0 else ():
+                key = (dimension, int(tag))
                 # 0 stands for "no group"; a named set has been taken already
-                if tag and names.get((block[0], int(tag))) not in mesh.cell_sets:
-                    parts.setdefault((block[0], int(tag)), []).append(block[1][np.asarray(numbers) == tag])
-    return [
-        RawGroup(names.get(key, ""), key[0], np.concatenate(cells), key[1])
-        for key, cells in sorted(parts.items())
-    ]
+                if tag and names.get(key) not in mesh.cell_sets:
+                    label = f"{key[0]}:{key[1]}" if array in NUMBERED_GROUPS else f"{array} {key[1]}"
+                    keys.append((label, key))
+                    numbered.put(label, cells[np.asarray(numbers).ravel() == tag])
+    groups = numbered.raw().groups
+    for group in groups:
+        for label, key in keys:
+            if group.name == label == f"{key[0]}:{key[1]}":
+                group.name, group.tag = names.get(key, ""), key[1]
+                break
+    return sorted(groups, key=lambda group: (group.dimension, group.tag or 0))
+
+
+def _group_arrays(mesh: Any) -> list[str]:
+    """Arrays of cell data that number groups: the known ones, else whole numbers that take few values."""
+    known = [name for name in NUMBERED_GROUPS if name in mesh.cell_data]
+    if known:
+        return known
+    arrays = []
+    for name, blocks in mesh.cell_data.items():
+        values = [np.asarray(values) for values in blocks]
+        number = sum(v.size for v in values)
+        if number and all(v.ndim == 1 and np.issubdtype(v.dtype, np.integer) for v in values):
+            different = len(np.unique(np.concatenate(values)))
+            if 1 < different <= min(MOST_NUMBERS, number // 2) and not name.startswith("gmsh:"):
+                arrays.append(name)
+    return arrays
 
 
 def _named_tags(mesh: Any) -> list[tuple[str, tuple[int, int]]]:
     return [(name, tuple(data)) for name, data in mesh.field_data.items() if np.shape(data) == (2,)]
 
 
-def _point_sets(mesh: Any, triangles: Ints, notes: list[str]) -> list[RawGroup]:
-    """Sets of nodes; one that covers a run of edges of the boundary is the curve along them."""
-    if not mesh.point_sets:
-        return []
-    ends = np.sort(triangles[:, EDGE_VERTICES].reshape(-1, 2), axis=1)
-    edges, how_often = np.unique(ends, axis=0, return_counts=True)
-    boundary = edges[how_often == 1]
-    groups = []
-    for name, nodes in mesh.point_sets.items():
-        members = np.unique(np.asarray(nodes, dtype=np.int64).ravel())
-        inside = boundary[np.isin(boundary, members).all(axis=1)]
-        # mid-edge nodes may belong to the set as well, but are no ends of edges
-        corners = members[np.isin(members, triangles[:, :3])]
-        if len(inside) and np.isin(corners, inside).all():
-            groups.append(RawGroup(name, 1, inside))
-            notes.append(f"node set '{name}' covers edges of the boundary and is taken as a curve")
-        else:
-            groups.append(RawGroup(name, 0, corners))
-    return groups
-
-
-def _kind_of_other(name: str) -> str:
-    if name.startswith("quad") or name == "polygon":
-        return "quadrilaterals"
+def _kind(name: str, shape: tuple[int, ...]) -> str:
+    """What a cell type of meshio is here."""
+    if name in ("polygon", "polygon3", "polygon4"):
+        name = {3: "triangle", 4: "quad"}.get(shape[1] if len(shape) == 2 else 0, name)
+    for kind, types in KINDS.items():
+        if name in types:
+            return kind
+    if name.startswith(("quad", "VTK_LAGRANGE_QUAD", "polygon")):
+        return "polygons" if name.startswith("polygon") else "quadrilaterals of order 3 or higher"
     if name.startswith(("triangle", "line", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_CURVE")):
-        return "triangles of order 3 or higher"
-    return "solid cells"
+        return HIGHER
+    return SOLID
 
 
 def _in_space(points: NDArray[np.float64]) -> NDArray[np.float64]:

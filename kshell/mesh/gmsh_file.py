@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh import msh2, msh4
-from kshell.mesh.gmsh_cells import LINES, POINT, TRIANGLES, CellBlock, kind_of_other
+from kshell.mesh import msh2, msh4, quads
+from kshell.mesh.gmsh_cells import LINES, POINT, QUADRILATERALS, TRIANGLES, CellBlock, kind_of_other
 from kshell.mesh.numbers import Section, sections
 from kshell.mesh.raw import RawGroup, RawMesh
 
 Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
 
 OTHER_VERSION = (
     "Save it as version 4.1, `gmsh {name} -save -format msh41 -o new.msh`, or set `Mesh.MshFileVersion = "
@@ -119,7 +120,7 @@ def _physical_names(section: Section) -> dict[tuple[int, int], str]:
 
 def _raw_mesh(
     node_tags: Ints,
-    points: NDArray[np.float64],
+    points: Floats,
     blocks: list[CellBlock],
     names: dict[tuple[int, int], str],
     source: str,
@@ -142,11 +143,18 @@ def _raw_mesh(
         elif block.cell_type in POINT:
             dimension = 0
             members = number.of(block.nodes[:, 0])
+        elif block.cell_type in QUADRILATERALS:
+            continue
         else:
             other[kind_of_other(block.cell_type)] += len(block.nodes)
             continue
         for tag in {abs(tag) for tag in block.tags}:
             cells.setdefault((dimension, tag), []).append(members)
+    points, quad_triangles, members_of, notes = _quadrilaterals(blocks, number, points, source)
+    for block, rows in members_of:
+        for tag in {abs(tag) for tag in block.tags}:
+            cells.setdefault((2, tag), []).append(n_triangles + rows)
+    triangles += quad_triangles
 
     width = max(t.shape[1] for t in triangles)
     stacked = np.concatenate(
@@ -157,7 +165,43 @@ def _raw_mesh(
         RawGroup(names.get((dimension, tag), ""), dimension, np.concatenate([*found, empty[dimension]]), tag)
         for (dimension, tag), found in sorted(cells.items())
     ]
-    return RawMesh(points, stacked, groups, source, dict(other), segments)
+    return RawMesh(points, stacked, groups, source, dict(other), segments, notes)
+
+
+def _quadrilaterals(
+    blocks: list[CellBlock], number: _NodeNumbers, points: Floats, source: str
+) -> tuple[Floats, list[Ints], list[tuple[CellBlock, Ints]], list[str]]:
+    """Quadrilaterals as triangles.
+
+    Returns
+    -------
+    points : (node, 3) float array, with centres that were made
+    triangles : list of (n, 3 or 6) int array
+    members : for each block of quadrilaterals its rows in all of `triangles`
+    notes : list of str
+    """
+    triangles: list[Ints] = []
+    members: list[tuple[CellBlock, Ints]] = []
+    n_quads = n_triangles = warped = 0
+    worst = 0.0
+    for cell_type in QUADRILATERALS:
+        of_type = [block for block in blocks if block.cell_type == cell_type and len(block.nodes)]
+        if not of_type:
+            continue
+        stored = np.concatenate([_turned(number.of(block.nodes), block.tags) for block in of_type])
+        # MSH 2.2 repeats a cell for each group
+        unique, row_of = np.unique(stored, axis=0, return_inverse=True)
+        halves = quads.split(points, unique, source)
+        first = np.searchsorted(halves.origin, np.arange(len(unique) + 1))
+        ends = np.cumsum([len(block.nodes) for block in of_type])
+        for block, rows in zip(of_type, np.split(row_of.ravel(), ends[:-1]), strict=True):
+            parts = [np.arange(first[row], first[row + 1]) for row in rows.tolist()]
+            members.append((block, n_triangles + np.concatenate(parts)))
+        points = np.concatenate([points, halves.points])
+        triangles.append(halves.triangles)
+        n_triangles += len(halves.triangles)
+        n_quads, warped, worst = n_quads + len(unique), warped + halves.warped, max(worst, halves.worst)
+    return points, triangles, members, [quads.note(n_quads, warped, worst)] if n_quads else []
 
 
 def _turned(nodes: Ints, tags: tuple[int, ...]) -> Ints:
@@ -165,7 +209,17 @@ def _turned(nodes: Ints, tags: tuple[int, ...]) -> Ints:
     "= {-5};`)."""
     if not tags or max(tags) > 0:
         return nodes
-    return nodes[:, [0, 2, 1, 5, 4, 3]] if nodes.shape[1] == 6 else nodes[:, [0, 2, 1]]
+    return nodes[:, _BACKWARDS[nodes.shape[1]]]
+
+
+# the order of the nodes of a cell of so many nodes seen from its other side
+_BACKWARDS = {
+    3: [0, 2, 1],
+    6: [0, 2, 1, 5, 4, 3],
+    4: [0, 3, 2, 1],
+    8: [0, 3, 2, 1, 7, 6, 5, 4],
+    9: [0, 3, 2, 1, 7, 6, 5, 4, 8],
+}
 
 
 class _NodeNumbers:

@@ -24,12 +24,15 @@ class RawGroup:
         Dimension 0: (n,) nodes. Dimension 1: (n, 2) end nodes. Dimension 2: (n,) rows of `RawMesh.triangles`.
     tag : int or None
         The integer a gmsh file knows the group by.
+    lost : int
+        Cells or nodes of the group in the source for which there is no place here.
     """
 
     name: str
     dimension: int
     cells: NDArray[np.int64]
     tag: int | None = None
+    lost: int = 0
 
 
 @dataclass

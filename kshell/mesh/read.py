@@ -77,6 +77,11 @@ def read_mesh(
         from kshell.mesh.gmsh_file import read_gmsh
 
         return _quick_to_walk(build(read_gmsh(path), Mesh))
+    from kshell.mesh.formats import reader_of
+
+    read = reader_of(path.suffix)
+    if read is not None:
+        return _quick_to_walk(build(read(path), Mesh))
     from kshell.mesh.foreign import read_foreign
 
     return _quick_to_walk(build(read_foreign(path), Mesh))

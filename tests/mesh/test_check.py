@@ -16,7 +16,10 @@ APART = [*UNIT, [1, 0, 0], [2, 0, 0], [1, 1, 0], [2, 1, 0]]
 APART_CELLS = [*TWO, [4, 5, 6], [5, 7, 6]]
 
 CELLS = {
-    "quadrilaterals": (["3 1 1 2 4 3"], "1 quadrilaterals.*Recombine"),
+    "order 3 of four sides": (
+        ["36 1 " + " ".join("1234" * 4)],
+        "1 quadrilaterals of order 3 or higher.*ElementOrder = 2",
+    ),
     "tetrahedra": (["4 1 1 2 3 5", "2 1 1 2 3"], "1 solid cells.*midsurface"),
     "lines only": (["1 1 1 2", "1 1 2 4"], "2 line cells but no triangles.*Physical Surface"),
     "points only": (["15 1 1"], "no triangles"),

@@ -69,18 +69,6 @@ def test_formats(tmp_path, suffix):
     assert read.source == path.name
 
 
-def test_node_sets_along_the_boundary_are_curves(tmp_path):
-    mesh = square(3)
-    left = np.flatnonzero(mesh.points[:, 0] == 0)
-    sets = {"left": left, "corner": np.array([0]), "inner": np.array([5, 6])}
-    path = tmp_path / "mesh.inp"
-    meshio.write(path, meshio.Mesh(mesh.points, [("triangle", mesh.triangles)], point_sets=sets))
-    read = read_mesh(path)
-    kinds = {name: (group.kind, len(group.members)) for name, group in read.groups.items()}
-    assert kinds == {"left": ("curve", 3), "corner": ("point", 1), "inner": ("point", 2)}
-    assert read.notes == ("node set 'left' covers edges of the boundary and is taken as a curve",)
-
-
 def test_cell_sets_of_several_kinds():
     mesh = square(2)
     cells = [("line", mesh.edges[mesh.boundary_edges]), ("triangle", mesh.triangles)]
@@ -91,13 +79,30 @@ def test_cell_sets_of_several_kinds():
     }  # fmt: skip
 
 
-def quads():
-    return meshio.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [("quad", [[0, 1, 2, 3]])])
+def test_quadrilaterals_are_split():
+    source = meshio.Mesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [("quad", [[0, 1, 2, 3]])])
+    mesh = read_mesh(source)
+    assert (len(mesh.triangles), mesh.areas.sum()) == (2, pytest.approx(1.0))
+    assert mesh.notes == ("1 quadrilateral split into triangles along the shorter diagonal",)
 
 
-def test_quadrilaterals_and_other_objects():
-    with pytest.raises(InputError, match="1 quadrilaterals"):
-        read_mesh(quads())
+def test_groups_numbered_by_cell_data(tmp_path):
+    mesh = square(2)
+    left = mesh.edges[mesh.groups["left"].members]
+    half = np.array([1, 1, 2, 2, 1, 1, 2, 2])
+    path = tmp_path / "mesh.vtu"
+    cells = [("triangle", mesh.triangles), ("line", left)]
+    meshio.write(path, meshio.Mesh(mesh.points, cells, cell_data={"CellEntityIds": [half, np.full(2, 11)]}))
+    found = {name: (group.kind, len(group.members)) for name, group in read_mesh(path).groups.items()}
+    assert found == {"1:11": ("curve", 2), "2:1": ("surface", 4), "2:2": ("surface", 4)}
+    meshio.write(
+        path, meshio.Mesh(mesh.points, cells[:1], cell_data={"layup": [half], "serial": [np.arange(8)]})
+    )
+    found = {name: (group.kind, len(group.members)) for name, group in read_mesh(path).groups.items()}
+    assert found == {"layup 1": ("surface", 4), "layup 2": ("surface", 4)}  # serial numbers are no groups
+
+
+def test_other_objects():
     with pytest.raises(InputError, match=r"scikit-fem MeshQuad1: kshell takes triangles only.*to_meshtri"):
         read_mesh(skfem.MeshQuad())
     with pytest.raises(InputError, match="object of class dict"):
