@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+AXES = {"x": 0, "y": 1, "z": 2}  # place of each component
+
 
 def cross(a: Floats, b: Floats) -> Floats:
     """Vector product of (3, ...) arrays."""

@@ -17,8 +17,9 @@ from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart.supports import ChartSupports
 from kshell.shell.chart.surface import ChartLike, ChartSurface, jets_of_basis
-from kshell.shell.koiter.discretisation import AXIS, USE_KOITER, OfPlace
+from kshell.shell.koiter.discretisation import USE_KOITER, OfPlace
 from kshell.shell.section import Section
+from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -144,7 +145,7 @@ class ArgyrisDiscretisation:
         surface = self.surface
         if letter == "r":
             return self._rotation_spring(chosen, stiffness, what)
-        axis = AXIS[letter]
+        axis = AXES[letter]
         if chosen.dimension == 0:
             unknowns = 18 * chosen.members.astype(np.int64)[:, None] + axis
             k = stiffness(self._vertices()[0][chosen.members])
@@ -192,7 +193,7 @@ class ArgyrisConditions:
     def translations(self, chosen: Selection, letters: str, value: OfPlace, axes: Any = None) -> None:
         """Hold the components named by letters, in own axes (3, 3) if given, of vertices, edges or triangles."""
         for letter in letters:
-            axis = np.eye(3)[AXIS[letter]] if axes is None else np.array(axes["xyz".index(letter)])
+            axis = np.eye(3)[AXES[letter]] if axes is None else np.array(axes["xyz".index(letter)])
 
             def along(x: Floats, axis: Floats = axis) -> Floats:
                 return value(x) @ axis

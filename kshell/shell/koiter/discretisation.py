@@ -27,6 +27,7 @@ from kshell.shell.koiter.topology import largest_curvature, smooth_patches
 from kshell.shell.reactions import rotation_axes
 from kshell.shell.reference import lagrange
 from kshell.shell.section import Section
+from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -36,7 +37,6 @@ OfPlace = Callable[[Floats], Floats]
 FOLD = np.radians(10.0)
 FACET = np.radians(35.0)
 USE_KOITER = 'take element = "koiter", which works on charts too'
-AXIS = {"x": 0, "y": 1, "z": 2}
 
 
 class KoiterDiscretisation:
@@ -158,15 +158,15 @@ class KoiterDiscretisation:
         if chosen.dimension == 0:
             nodes = chosen.members.astype(np.int64)
             k = stiffness(surface.nodes[nodes])
-            return self._scatter(nodes[:, None], k[:, None, None], AXIS[letter])
+            return self._scatter(nodes[:, None], k[:, None, None], AXES[letter])
         if chosen.dimension == 1:
             nodes, shape, weight, points = edge_table(surface, chosen.members, surface.order + 1)
             blocks = np.einsum("eq,eqi,eqj->eij", weight * stiffness(points), shape, shape)
-            return self._scatter(nodes, blocks, AXIS[letter])
+            return self._scatter(nodes, blocks, AXES[letter])
         points, weight = self.interior_points(chosen.members)
         shape = surface.reference.values
         blocks = np.einsum("tq,qi,qj->tij", weight * stiffness(points), shape, shape)
-        return self._scatter(surface.triangle_nodes[chosen.members], blocks, AXIS[letter])
+        return self._scatter(surface.triangle_nodes[chosen.members], blocks, AXES[letter])
 
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         if chosen.dimension != 1:
