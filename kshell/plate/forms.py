@@ -100,7 +100,7 @@ class Bending(Form):
 
 @dataclass
 class AreaSpring(Form):
-    """Winkler foundation: integral of k w^2 over some triangles."""
+    """Winkler foundation: integral of k w^2 over some triangles; ``degree`` is that of k, None: no polynomial."""
 
     everywhere = False
 
@@ -108,6 +108,7 @@ class AreaSpring(Form):
     element: PlateElement
     triangles: Ints
     stiffness: Field
+    degree: int | None = None
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         for block in self.domain.blocks(self.triangles):
@@ -122,7 +123,7 @@ class AreaSpring(Form):
 
 @dataclass
 class EdgeSpring(Form):
-    """Elastic edge: integral of k w^2, or of k w_n^2 for a rotational spring, along edges."""
+    """Elastic edge: integral of k w^2, or of k w_n^2 for a rotational spring; ``degree`` as in `AreaSpring`."""
 
     everywhere = False
 
@@ -131,6 +132,7 @@ class EdgeSpring(Form):
     edges: Ints
     stiffness: Field
     rotation: bool
+    degree: int | None = None
 
     def __post_init__(self) -> None:
         self.patch: EdgePatch = self.domain.edge_patch(self.edges, self.element.maxdeg + 2)

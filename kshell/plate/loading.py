@@ -53,12 +53,16 @@ def resultant_of(force: Floats, xy: Floats, origin: Floats) -> Floats:
 
 @dataclass
 class AreaLoad:
-    """Pressure on some triangles: a number, or values at points."""
+    """Pressure on some triangles: a number, or values at points.
+
+    ``degree`` is that of the pressure as a polynomial; None where it is none, or not known to be one.
+    """
 
     domain: Domain
     element: PlateElement
     triangles: Ints | None
     pressure: float | Field
+    degree: int | None = None
 
     @property
     def everywhere(self) -> bool:
@@ -106,13 +110,14 @@ class AreaLoad:
 
 @dataclass
 class EdgeLoad:
-    """Force per length along z on edges, or a bending moment per length."""
+    """Force per length along z on edges, or a bending moment per length; ``degree`` as in `AreaLoad`."""
 
     domain: Domain
     element: PlateElement
     edges: Ints
     value: Callable[[Floats], Floats]  # (n, point) at points (n, point, 2)
     moment: bool
+    degree: int | None = None
 
     everywhere = False
 
@@ -172,11 +177,15 @@ class PointLoad:
 
 @dataclass
 class CurvatureLoad:
-    """Initial curvature kappa_0 = (w_xx, w_yy, 2 w_xy) that the plate takes up without moments."""
+    """Initial curvature kappa_0 = (w_xx, w_yy, 2 w_xy) that the plate takes up without moments.
+
+    ``degree`` as in `AreaLoad`.
+    """
 
     bending: Bending
     triangles: Ints | None
     curvature: Callable[[Floats], Floats]  # (n, point, 3) at points (n, point, 2)
+    degree: int | None = None
 
     @property
     def everywhere(self) -> bool:

@@ -19,6 +19,7 @@ from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
 from kshell.plate.supports import first_triangles, points_3d
+from kshell.values.degree import polynomial_degree
 from kshell.values.varying import is_constant
 
 Floats = NDArray[np.float64]
@@ -111,8 +112,8 @@ class _Builder:
             )
         return value[..., 2]
 
-    def _area(self, load: Any, value: float | Callable[[Ints, Floats], Floats]) -> None:
-        self.out.forms.append(AreaLoad(self.domain, self.element, self._triangles(load), value))
+    def _area(self, load: Any, value: float | Callable[[Ints, Floats], Floats], degree: int | None) -> None:
+        self.out.forms.append(AreaLoad(self.domain, self.element, self._triangles(load), value, degree))
 
     def _pressure(self, load: Any) -> None:
         if load.follower:
@@ -121,12 +122,16 @@ class _Builder:
                 "deflections; leave it out for a linear plate"
             )
         if is_constant(load.value):
-            self._area(load, float(load.value))
+            self._area(load, float(load.value), 0)
         else:
-            self._area(load, lambda triangles, xy: load.at(points_3d(self.domain, xy)))
+            self._area(
+                load,
+                lambda triangles, xy: load.at(points_3d(self.domain, xy)),
+                polynomial_degree(load.value),
+            )
 
     def _traction(self, load: Any) -> None:
-        self._area(load, lambda triangles, xy: self._across(load, xy))
+        self._area(load, lambda triangles, xy: self._across(load, xy), polynomial_degree(load.value))
 
     def _gravity(self, load: Any) -> None:
         def weight(triangles: Ints, xy: Floats) -> Floats:
@@ -135,11 +140,19 @@ class _Builder:
                 raise InputError(f"{load}: the material has no density: give it, in mass per volume")
             return mass * self._across(load, xy)
 
-        self._area(load, weight)
+        even = self.section.constant_per_triangle
+        self._area(load, weight, polynomial_degree(load.value) if even else None)
 
     def _line_force(self, load: Any) -> None:
         edges = self._select(load, 1).members.astype(np.int64)
-        form = EdgeLoad(self.domain, self.element, edges, lambda xy: self._across(load, xy), moment=False)
+        form = EdgeLoad(
+            self.domain,
+            self.element,
+            edges,
+            lambda xy: self._across(load, xy),
+            moment=False,
+            degree=polynomial_degree(load.value),
+        )
         self.out.forms.append(form)
 
     def _edge_moment(self, load: Any) -> None:
@@ -153,7 +166,12 @@ class _Builder:
                 "side; put it on a boundary edge, or use initial_curvature"
             )
         form = EdgeLoad(
-            self.domain, self.element, edges, lambda xy: load.at(points_3d(self.domain, xy)), moment=True
+            self.domain,
+            self.element,
+            edges,
+            lambda xy: load.at(points_3d(self.domain, xy)),
+            moment=True,
+            degree=polynomial_degree(load.value),
         )
         self.out.forms.append(form)
 
@@ -193,18 +211,19 @@ class _Builder:
             self.out.warnings.append(
                 f"{load}: the mean temperature stretches the plate in its plane and does not bend it: ignored"
             )
-        self._curvature(load)
+        parts = [polynomial_degree(load.gradient), polynomial_degree(load.expansion)]
+        self._curvature(load, None if None in parts else sum(part or 0 for part in parts))
 
     def _initial_curvature(self, load: Any) -> None:
-        self._curvature(load)
+        self._curvature(load, polynomial_degree(load.value))
 
     def _initial_strain(self, load: Any) -> None:
         self.out.warnings.append(f"{load}: it stretches the plate in its plane and does not bend it: ignored")
 
-    def _curvature(self, load: Any) -> None:
+    def _curvature(self, load: Any, degree: int | None) -> None:
         def curvature(xy: Floats) -> Floats:
             return load.curvature_at(points_3d(self.domain, xy)) * np.array([1.0, 1.0, 2.0])
 
-        form = CurvatureLoad(self.bending, self._triangles(load), curvature)
+        form = CurvatureLoad(self.bending, self._triangles(load), curvature, degree)
         self.out.forms.append(form)
         self.out.curvatures.append(form)

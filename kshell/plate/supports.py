@@ -30,6 +30,7 @@ from kshell.plate.forms import AreaSpring, Bending, EdgeSpring, Form, PointSprin
 from kshell.plate.holds import CurvedHold, HoldLoad
 from kshell.plate.layout import Layout
 from kshell.plate.reduction import Conditions
+from kshell.values.degree import polynomial_degree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -58,6 +59,8 @@ class HeldGroup:
         Whether the rotation is held at single points.
     value : function or None
         Prescribed deflection at points (..., 2); None is zero.
+    degree : int or None
+        Of that deflection as a polynomial; None where it is none, or not known to be one.
     """
 
     label: str
@@ -68,6 +71,7 @@ class HeldGroup:
     surface: Ints = field(default_factory=lambda: NONE)
     turned: bool = False
     value: Callable[[Floats], Floats] | None = None
+    degree: int | None = 0
 
 
 @dataclass
@@ -184,7 +188,16 @@ class _Builder:
                 conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
         points = vertices if holds_w else NONE
         prescribed = self._prescribed(support)
-        group = HeldGroup(selection.label, vertices, NONE, NONE, points, turned=holds_r, value=prescribed)
+        group = HeldGroup(
+            selection.label,
+            vertices,
+            NONE,
+            NONE,
+            points,
+            turned=holds_r,
+            value=prescribed,
+            degree=polynomial_degree(support.value),
+        )
         self.out.held.append(group)
 
     def _surface(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
@@ -209,7 +222,15 @@ class _Builder:
         self.out.conditions.edges.append(edges)
         surface = selection.members.astype(np.int64)
         prescribed = self._prescribed(support)
-        group = HeldGroup(selection.label, vertices, edges, NONE, surface=surface, value=prescribed)
+        group = HeldGroup(
+            selection.label,
+            vertices,
+            edges,
+            NONE,
+            surface=surface,
+            value=prescribed,
+            degree=polynomial_degree(support.value),
+        )
         self.out.held.append(group)
 
     def _curves_of(self, edges: Ints) -> EdgeCurves:
@@ -264,6 +285,7 @@ class _Builder:
             edges if holds_r else NONE,
             edges if holds_w else NONE,
             value=self._prescribed(support) if holds_w else None,
+            degree=polynomial_degree(support.value) if holds_w else 0,
         )
         self.out.held.append(group)
 
@@ -370,17 +392,17 @@ class _Builder:
         def stiffness(xy: Floats) -> Floats:
             return support.stiffness_at(points_3d(self.domain, xy))
 
-        label = selection.label
+        label, degree = selection.label, polynomial_degree(support.stiffness)
         if selection.dimension == 2:
             if "r" in support.freedoms:
                 raise InputError(
                     f"{what} on '{label}': a rotation spring needs a curve or a point, not a surface"
                 )
-            self.out.springs.append((label, AreaSpring(self.domain, element, members, stiffness)))
+            self.out.springs.append((label, AreaSpring(self.domain, element, members, stiffness, degree)))
         elif selection.dimension == 1:
             for freedom in support.freedoms:
                 if freedom in "zr":
-                    form = EdgeSpring(self.domain, element, members, stiffness, freedom == "r")
+                    form = EdgeSpring(self.domain, element, members, stiffness, freedom == "r", degree)
                     self.out.springs.append((label, form))
         else:
             self._point_springs(support, selection, stiffness, what)

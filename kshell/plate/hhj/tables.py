@@ -37,6 +37,11 @@ def edge_points(edge: int, s: Floats) -> Floats:
     return a + s[..., None] * (b - a)
 
 
+def edge_reference(place: Ints, s: Floats) -> Floats:
+    """(n, point, 2) reference coordinates of points s of local edges (n,)."""
+    return np.stack([edge_points(edge, s) for edge in range(3)])[place]
+
+
 @dataclass(frozen=True)
 class Tables:
     """Tables of one order.
@@ -99,6 +104,11 @@ class Tables:
         out = np.zeros((len(s), self.count))
         out[:, self.slopes(edge)] = legendre(self.order - 1, s)
         return out
+
+    def edge_mean(self, edge: int, slopes: bool) -> Floats:
+        """(m,) mean over a local edge of w, or of alpha."""
+        s, ws = interval_rule(self.order + 1)
+        return ws @ (self.slopes_on_edge(edge, s) if slopes else self.on_edge(edge, s))
 
     def inside(self, xi: Floats) -> Floats:
         """w at reference points (..., 2): (..., m)."""

@@ -87,8 +87,8 @@ def springs(triangles: Triangles, order: int, supports: Supports) -> tuple[Sprin
             out.append(Spring(form.triangles, root[..., None] * t.inside(xi)))
         elif isinstance(form, EdgeSpring):
             s, w = interval_rule(order + 1 + VARYING // 2)
-            owner, place = _places(triangles, form.edges)
-            k = form.stiffness(_along(triangles, form.edges, s))
+            owner, place = places(triangles, form.edges)
+            k = form.stiffness(along(triangles, form.edges, s))
             size = triangles.lengths[owner, place][:, None]
             root = np.sqrt(k * w * (1.0 / size if form.rotation else size))
             rows = np.stack([(t.slopes_on_edge if form.rotation else t.on_edge)(e, s) for e in range(3)])
@@ -130,13 +130,13 @@ def vertex_of(form: PointLoad, points: Floats) -> int:
     return int(corners[np.abs(points[corners] - form.xy).sum(axis=1).argmin()])
 
 
-def _places(triangles: Triangles, edges: Ints) -> tuple[Ints, Ints]:
+def places(triangles: Triangles, edges: Ints) -> tuple[Ints, Ints]:
     """One triangle at each edge, and the edge's place in it."""
     owner, local = triangles.mesh.edge_owner[edges].astype(np.int64).T
     return owner, triangles.local[owner, local]
 
 
-def _along(triangles: Triangles, edges: Ints, s: Floats) -> Floats:
+def along(triangles: Triangles, edges: Ints, s: Floats) -> Floats:
     """(n, point, 2) points along edges, from the lower to the higher vertex."""
     ends = triangles.mesh.points[triangles.mesh.edges[edges], :2]
     return ends[:, :1] + s[:, None] * (ends[:, 1:] - ends[:, :1])
@@ -156,8 +156,8 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
 def _on_edges(system: HHJSystem, out: Load, form: EdgeLoad) -> None:
     triangles, t = system.triangles, system.tables
     s, w = interval_rule(system.order + 1 + LOAD_DEGREE // 2)
-    owner, place = _places(triangles, form.edges)
-    value = form.value(_along(triangles, form.edges, s)) * w
+    owner, place = places(triangles, form.edges)
+    value = form.value(along(triangles, form.edges, s)) * w
     if form.moment:  # - m dw/dn, alpha = length dw/dn along the edge's own normal
         value = -value * triangles.outward[owner, place][:, None]
     else:
