@@ -78,13 +78,13 @@ class Difference:
             bending = problem.section.bending_per_triangle()
             flat = bending.strides[0] == 0
             stiffness = bending[0] if flat else bending
-            compliance = np.linalg.inv(stiffness)
+            compliance: Floats = np.linalg.inv(stiffness).astype(np.float64)
             self.stress = self.curvature @ stiffness  # C kappa(w_h); C is symmetric
-            strain = self.moments @ compliance
+            strain: Floats = self.moments @ compliance
         else:
             bending = problem.bending.at(every, xy)
             self.stress = (bending @ self.curvature[..., None])[..., 0]
-            strain = np.linalg.solve(bending, self.moments[..., None])[..., 0]
+            strain = np.linalg.solve(bending, self.moments[..., None])[..., 0].astype(np.float64)
         self.strain = strain - self.curvature
         self.force = self.moments - self.stress
         if initial and problem.loads.curvatures:
