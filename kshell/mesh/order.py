@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from kshell.mesh.mesh import Group, Mesh
 
 BITS = 15  # of each coordinate
+ASIDE = (
+    0.382  # of a cell: regular meshes have vertices on the lines between cells, where rounding would decide
+)
 
 
 def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int64]:
@@ -29,7 +32,7 @@ def spatial_order(points: NDArray[np.floating]) -> NDArray[np.int64]:
     if len(points) == 0:
         return np.zeros(0, dtype=np.int64)
     xy = points[:, :2] - points[:, :2].min(axis=0)
-    cells = (xy * ((2**BITS - 1) / max(float(xy.max()), 1e-300))).astype(np.uint64)
+    cells = (xy * ((2**BITS - 1) / max(float(xy.max()), 1e-300)) + ASIDE).astype(np.uint64)
     return np.argsort(_spread(cells[:, 0]) | (_spread(cells[:, 1]) << np.uint64(1)), kind="stable")
 
 

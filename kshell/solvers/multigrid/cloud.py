@@ -1,4 +1,10 @@
-"""A level: vertices with (w, w_x, w_y), what the supports leave of that, and triangles between them."""
+"""A level: vertices with (w, w_x, w_y), what the supports leave of that, and triangles between them.
+
+Which vertices are coarsened away must not hang on the last digit of a coordinate: regular meshes are full of equal
+lengths, and of thresholds that are met exactly. So whatever is compared is compared up to `TIE`, and among equals
+a fixed random order of the vertices decides (`Cloud.turn`), that knows nothing of coordinates. A plate that is
+moved, turned or made larger has the same levels, on any machine.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +18,10 @@ from numpy.typing import NDArray
 from kshell.solvers.system import Floats, Ints, PlateSpace
 
 Bools = NDArray[np.bool_]
+Turns = NDArray[np.uint64]
 
 STIFFNESS_JUMP = 3.0  # neighbours whose stiffness differs by this factor have an interface between them
+TIE = 1e-6  # what differs by less, relative, is equal
 LONG = 3.0  # an edge that many times longer than the shortest at both of its ends couples weakly
 
 
@@ -30,6 +38,8 @@ class Cloud:
     basis, mask : (vertex, 3, 3) float and (vertex, 3) bool arrays
         As in `PlateSpace`.
     stiffness : (triangle,) float array or None
+    turn : (vertex,) uint64 array
+        When it is the turn of each vertex to be chosen, and which of two equals is taken: the lower.
     """
 
     points: Floats
@@ -37,6 +47,7 @@ class Cloud:
     basis: Floats
     mask: Bools
     stiffness: Floats | None
+    turn: Turns
 
     @classmethod
     def of_space(cls, space: PlateSpace) -> Cloud:
@@ -47,6 +58,7 @@ class Cloud:
             space.vertex_basis,
             space.vertex_mask,
             space.stiffness,
+            shuffled(np.arange(len(space.points), dtype=np.uint64)),
         )
 
     @cached_property
@@ -83,7 +95,7 @@ class Cloud:
             low, high = np.full(len(key), np.inf), np.zeros(len(key))
             np.minimum.at(low, inverse, np.repeat(self.stiffness, 3))
             np.maximum.at(high, inverse, np.repeat(self.stiffness, 3))
-            line = (count != 2) | (high > STIFFNESS_JUMP * low)
+            line = (count != 2) | (high > STIFFNESS_JUMP * (1 + TIE) * low)
         edges = np.stack([key // n, key % n], axis=1)
         constrained = ~self.plain
         line |= constrained[edges[:, 0]] & constrained[edges[:, 1]]
@@ -102,7 +114,7 @@ class Cloud:
         shortest = np.full(len(self.points), np.inf)
         np.minimum.at(shortest, edges[:, 0], self.squared_lengths)
         np.minimum.at(shortest, edges[:, 1], self.squared_lengths)
-        return self.squared_lengths <= LONG**2 * shortest[edges].max(axis=1)
+        return self.squared_lengths <= LONG**2 * (1 + TIE) * shortest[edges].max(axis=1)
 
     @cached_property
     def vertex_stiffness(self) -> Floats | None:
@@ -112,6 +124,18 @@ class Cloud:
         largest = np.zeros(len(self.points))
         np.maximum.at(largest, self.triangles.ravel(), np.repeat(self.stiffness, 3))
         return largest
+
+
+def shuffled(numbers: Turns) -> Turns:
+    """Other numbers in place of numbers, without visible order and always the same ones.
+
+    The last step of the generator splitmix64 (Steele, Lea & Flood 2014): unlike a permutation, the number of
+    one vertex does not change when vertices elsewhere come or go.
+    """
+    z = (numbers + np.uint64(1)) * np.uint64(0x9E3779B97F4A7C15)
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return np.asarray(z ^ (z >> np.uint64(31)))
 
 
 def neighbours(matrix_size: int, edges: Ints) -> Any:

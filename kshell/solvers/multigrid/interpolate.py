@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from kshell.solvers.multigrid.cloud import STIFFNESS_JUMP, Cloud
+from kshell.solvers.multigrid.cloud import STIFFNESS_JUMP, TIE, Cloud
 from kshell.solvers.multigrid.coarsen import Coarsening
 from kshell.solvers.multigrid.hct import interpolation_weights
 from kshell.solvers.system import Floats, Ints
@@ -113,8 +113,12 @@ def locate(fine: Cloud, coarsening: Coarsening, vertices: Ints) -> Ints:
     penalty = np.where(usable, PENALTY * (1.0 - np.minimum(flatness / FLAT, 1.0)), np.inf)
 
     best = np.full(len(vertices), -1)
-    score = np.full(len(vertices), OUTSIDE)
-    own = None if fine.vertex_stiffness is None else fine.vertex_stiffness[vertices] / STIFFNESS_JUMP
+    score = np.full(len(vertices), OUTSIDE - TIE)
+    own = (
+        None
+        if fine.vertex_stiffness is None
+        else fine.vertex_stiffness[vertices] / STIFFNESS_JUMP / (1 + TIE)
+    )
 
     def search(which: Ints, start: Ints) -> None:
         """Look through the triangles at a coarse vertex for each of some vertices."""
@@ -128,14 +132,14 @@ def locate(fine: Cloud, coarsening: Coarsening, vertices: Ints) -> Ints:
             value = np.minimum(np.minimum(np.minimum(lam1, lam2), 1.0 - lam1 - lam2), 0.0) - penalty[t]
             if own is not None and coarse.stiffness is not None:
                 value -= np.where(coarse.stiffness[t] < own[v], PENALTY, 0.0)
-            better = value > score[v]
+            better = value > score[v] + TIE  # of equals the first
             score[v[better]] = value[better]
             best[v[better]] = t[better]
 
     region = coarsening.region[vertices]
     search(np.arange(len(vertices)), region)
     # where merging left a flat triangle on a line, the right one is at a neighbour of the coarse vertex
-    outside = np.flatnonzero((score < NEAR) & (count[region] > 0))
+    outside = np.flatnonzero((score < NEAR - TIE) & (count[region] > 0))
     around = star[pointer[region[outside]]] if len(outside) else outside
     around = np.where(best[outside] >= 0, best[outside], around)
     for k in range(3):
