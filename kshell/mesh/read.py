@@ -79,7 +79,7 @@ def read_mesh(
         return _quick_to_walk(build(read_gmsh(path), Mesh))
     from kshell.mesh.formats import reader_of
 
-    read = reader_of(path.suffix)
+    read = reader_of(path)
     if read is not None:
         return _quick_to_walk(build(read(path), Mesh))
     from kshell.mesh.foreign import read_foreign

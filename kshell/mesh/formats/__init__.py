@@ -11,13 +11,18 @@ from kshell.mesh.raw import RawMesh
 # the module and function here that reads files of each suffix
 READERS = {
     ".inp": ("abaqus", "read_abaqus"),
+    ".bdf": ("nastran", "read_nastran"),
+    ".nas": ("nastran", "read_nastran"),
+    ".fem": ("nastran", "read_nastran"),
+    ".dat": ("nastran", "read_nastran"),
 }
 
 
-def reader_of(suffix: str) -> Callable[[Path], RawMesh] | None:
-    """The reader of files with this suffix; None where there is none here."""
-    if suffix.lower() not in READERS:
+def reader_of(path: Path) -> Callable[[Path], RawMesh] | None:
+    """The reader of a file by its suffix; None where there is none here."""
+    suffix = path.suffix.lower()
+    if suffix not in READERS:
         return None
-    module, function = READERS[suffix.lower()]
+    module, function = READERS[suffix]
     reader: Callable[[Path], RawMesh] = getattr(import_module(f"kshell.mesh.formats.{module}"), function)
     return reader
