@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import partial
 
 from kshell.analysis.model_choice import choose_model
+from kshell.analysis.models import model_as
 from kshell.errors import InputError
-from kshell.material.section import shell_section
 from kshell.mesh import Mesh, check
 from kshell.mesh.check import Quality, Summary
 from kshell.mesh.words import place
-from kshell.scene.checking import check_load, check_support
-from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
+from kshell.scene.structure import problems, resolve
 
 # below this angle a triangle spoils the accuracy around it
 SLIVER = 5.0
@@ -59,53 +56,18 @@ def check_mesh(mesh: Mesh) -> Findings:
 def check_scene(scene: Scene, mesh: Mesh) -> Findings:
     """What would be modelled, and everything that would stop a solve."""
     found = check_mesh(mesh)
-    space = mesh
+    found.problems += problems(scene, mesh)
+    if found.problems:
+        return found
     try:
-        space = mesh_in_space(scene, mesh)
+        structure = resolve(scene, mesh)
+        model = model_as(structure, choose_model(structure, scene.solve))
     except InputError as error:
         found.problems.append(str(error))
         return found
-    _collect(found, lambda: _check_section(scene, space))
-    for support in scene.supports:
-        _collect(found, partial(check_support, space, support))
-    for load in scene.loads:
-        _collect(found, partial(check_load, space, load))
-    if not found.problems:
-        _collect(found, lambda: _check_model(scene, mesh, found))
+    found.model = [*model.reasons, f"{model.unknowns} unknowns, {_regime(scene.solve)}"]
+    found.warnings.extend(model.warnings())
     return found
-
-
-def _collect(found: Findings, look: Callable[[], object]) -> None:
-    """Note what is wrong and go on: a check names everything it finds."""
-    try:
-        look()
-    except InputError as error:
-        found.problems.append(str(error))
-
-
-def _check_section(scene: Scene, mesh: Mesh) -> None:
-    shell_section(mesh, scene.thickness, scene.material, scene.layers)
-
-
-def _check_model(scene: Scene, mesh: Mesh, found: Findings) -> None:
-    """Set up the model as a solve does, without assembling its matrix."""
-    choice = choose_model(scene, mesh, scene.solve)
-    if choice.kind == "plate":
-        from kshell.plate.problem import PlateProblem, choose_element
-
-        check.plate_problems(mesh)
-        element = choose_element(scene.solve, mesh)
-        plate = PlateProblem(scene, mesh, element.element)
-        unknowns, words = plate.reduction.count, plate.warnings()
-        found.model = [*choice.reasons, element.reason]
-    else:
-        from kshell.shell.problem import ShellProblem
-
-        shell = ShellProblem(scene, mesh, choice)
-        unknowns, words = shell.reduction.basis.shape[1], shell.warnings()
-        found.model = list(choice.reasons)
-    found.model.append(f"{unknowns} unknowns, " + _regime(scene.solve))
-    found.warnings.extend(words)
 
 
 def _regime(options: SolveOptions) -> str:

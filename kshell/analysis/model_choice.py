@@ -8,25 +8,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from kshell.errors import InputError
-from kshell.material.laminate import NEGLIGIBLE_COUPLING, laminate
+from kshell.material.laminate import NEGLIGIBLE_COUPLING
 from kshell.mesh.check import is_flat
 from kshell.mesh.facets import facets
-from kshell.mesh.mesh import Mesh
-from kshell.mesh.select import select
+from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
-from kshell.scene.scene import Scene
+from kshell.scene.structure import Structure
+from kshell.scene.supports import Hinge
+from kshell.shell.chart.limits import THINNEST
 from kshell.solvers.memory import SHARE, available_bytes
-from kshell.values.varying import is_constant
 
-# part of a load that is nothing but rounding
-NEGLIGIBLE = 1e-12
-# thinner charts, against their size, are left to the element that does not lock
-THINNEST_ARGYRIS = 2e-3
+# up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
+ARGYRIS_UP_TO = 100_000
+ORDERS = {"morley": 2, "argyris": 5}
 # peak memory of a solve with cubics, in bytes per triangle, measured at 5,000 and 10,000 triangles with a reserve
 CUBICS_BYTES = 180e3
 
@@ -39,9 +38,9 @@ class ModelChoice:
     ----------
     kind : "plate" or "shell"
     element : str
-        Of a shell "koiter" or "argyris"; of a plate as in the options.
+        Of a shell "koiter" or "argyris"; of a plate "argyris" or "morley".
     order : int
-        Of the Koiter element, 0 for others.
+        Polynomial degree.
     reasons : tuple of str
     """
 
@@ -51,32 +50,29 @@ class ModelChoice:
     reasons: tuple[str, ...]
 
 
-def choose_model(scene: Scene, mesh: Mesh, options: SolveOptions) -> ModelChoice:
-    """The model asked for, or the cheapest one that has everything in the scene.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Of the scene, as read: in the parameter plane where there is a chart.
+def choose_model(structure: Structure, options: SolveOptions) -> ModelChoice:
+    """The model asked for, or the cheapest one that has everything in the structure.
 
     Raises
     ------
     InputError
-        If options contradict each other or the scene.
+        If options contradict each other or the structure.
     """
-    _require_sense(scene, options)
-    kind, why = _kind(scene, mesh, options)
+    _require_sense(structure, options)
+    kind, why = _kind(structure, options)
     if kind == "plate":
-        _require_plate(scene)
-        return ModelChoice("plate", options.element, 0, (why,))
-    if options.element == "argyris" and scene.chart is None:
+        _require_plate(structure)
+        return _plate(structure, options, why)
+    if options.solver == "multigrid":
+        raise InputError('solver = "multigrid" is for plates: shells are solved with "direct" or "auto"')
+    if options.element == "argyris" and structure.chart is None:
         raise InputError(
             'element = "argyris" takes a shell on a chart only (key chart, with the mesh in its parameter plane): '
             'leave element out, or take "koiter"'
         )
-    if scene.chart is not None and options.order == "auto" and options.element in ("auto", "argyris"):
-        return _on_chart(scene, mesh, options, why)
-    order, reason = _order(scene, mesh, options)
+    if structure.chart is not None and options.order == "auto" and options.element in ("auto", "argyris"):
+        return _on_chart(structure, options, why)
+    order, reason = _order(structure, options)
     asked = (
         "as asked for"
         if options.element == "koiter"
@@ -85,7 +81,24 @@ def choose_model(scene: Scene, mesh: Mesh, options: SolveOptions) -> ModelChoice
     return ModelChoice("shell", "koiter", order, (why, f"element koiter: {asked}", reason))
 
 
-def _require_sense(scene: Scene, options: SolveOptions) -> None:
+def _plate(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:
+    """The element asked for, or the one that suits the size of the mesh."""
+    n, element = len(structure.space.triangles), options.element
+    if element != "auto":
+        reason = f"element {element}: as asked for"
+    elif n <= ARGYRIS_UP_TO:
+        element = "argyris"
+        reason = f"element argyris: {n} triangles are few enough for quintics, the most accurate choice"
+    else:
+        element = "morley"
+        reason = (
+            f"element morley: {n} triangles are more than {ARGYRIS_UP_TO}, where quintics would take long; "
+            'element = "argyris" has them all the same'
+        )
+    return ModelChoice("plate", element, ORDERS[element], (why, reason))
+
+
+def _require_sense(structure: Structure, options: SolveOptions) -> None:
     if options.element == "morley" and options.model == "shell":
         raise InputError(
             'element = "morley" is for plates: a shell takes "koiter", on a chart also "argyris"'
@@ -112,22 +125,21 @@ def _require_sense(scene: Scene, options: SolveOptions) -> None:
         raise InputError(
             "control and branch given: a branch is followed by its length, leave one of them out"
         )
-    followers = [load for load in scene.loads if getattr(load, "follower", False)]
+    followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
     if followers and options.large_deflection is False and options.analysis == "static":
         raise InputError(
             f"{followers[0]}: follower = true turns the pressure with the surface, which matters only under large "
             "deflections; leave it out for small ones"
         )
-    if scene.chart is not None and (options.model == "plate" or options.element == "morley"):
+    if structure.chart is not None and (options.model == "plate" or options.element == "morley"):
         raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
 
 
-def _require_plate(scene: Scene) -> None:
+def _require_plate(structure: Structure) -> None:
     """Refuse what a plate does not have, rather than leave it out."""
-    shells_only = [str(support) for support in scene.supports if support.kind == "hinge"]
-    shells_only += [f"offset = {scene.offset:g}"] if scene.offset != 0.0 else []
-    shells_only += ["imperfection"] if scene.imperfection is not None else []
-    shells_only += ["direction"] if scene.direction is not None else []
+    shells_only = [f"offset = {structure.offset:g}"] if structure.offset != 0.0 else []
+    shells_only += ["imperfection"] if structure.imperfection is not None else []
+    shells_only += ["direction"] if structure.direction is not None else []
     if shells_only:
         raise InputError(f'{shells_only[0]} is for shells: take model = "shell", or leave it out')
 
@@ -142,11 +154,12 @@ def _require_large(options: SolveOptions) -> None:
         raise InputError(f'{what} is for shells: leave element = "morley" out, or take "koiter"')
 
 
-def _kind(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[Literal["plate", "shell"], str]:
+def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate", "shell"], str]:
+    mesh, chart = structure.parameters, structure.chart
     if options.model != "auto":
         return options.model, f"kind {options.model}: as asked for"
-    if scene.chart is not None:
-        return "shell", f"kind shell: the mesh lies in the parameter plane of {scene.chart!r}"
+    if chart is not None:
+        return "shell", f"kind shell: the mesh lies in the parameter plane of {chart!r}"
     flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
     if options.element == "koiter" or options.order != "auto":
         return "shell", "kind shell: the Koiter element was asked for"
@@ -156,105 +169,80 @@ def _kind(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[Literal["pla
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
     if options.large_asked:
         return "shell", "kind shell: large deflections of a flat mesh stretch it"
-    stretching = next(_stretching(scene, mesh), None)
+    stretching = next(_stretching(structure), None)
     if stretching is None:
         return "plate", "kind plate: the mesh is flat, bending alone describes it"
     return "shell", f"kind shell: the mesh is flat, but {stretching}"
 
 
-def _stretching(scene: Scene, mesh: Mesh) -> Iterator[str]:
-    """What in a flat scene stretches the plate in its plane, in words."""
-    if scene.layers is not None and laminate(scene.layers).coupling > NEGLIGIBLE_COUPLING:
+def _stretching(structure: Structure) -> Iterator[str]:
+    """What in a flat structure stretches the plate in its plane, in words."""
+    layers, mesh = structure.section.laminate, structure.space
+    if layers is not None and layers.coupling > NEGLIGIBLE_COUPLING:
         yield "the layers are not symmetric about their middle, so bending stretches them"
-    if scene.offset != 0.0:
+    if structure.offset != 0.0:
         yield "the material lies off the mesh, so bending stretches it"
-    if scene.imperfection is not None:
+    if structure.imperfection is not None:
         yield "its imperfection curves it"
-    for support in scene.supports:
-        if support.kind == "hinge":
+    for held in structure.supports:
+        support = held.item
+        if isinstance(support, Hinge):
             yield f"{support} is a hinge line"
         elif support.value is not None:
-            value = support.translation_at(_points(mesh, support))
-            if _exceeds(value[:, :2], value):
+            value = support.translation_at(held.vertices(mesh))
+            if exceeds(value[:, :2], value):
                 yield f"{support} moves it in its plane"
-    for load in scene.loads:
-        if getattr(load, "follower", False):
-            yield f"{load} follows the surface"
-        if load.kind in ("traction", "gravity", "line_force", "point_force"):
-            value = load.at(_points(mesh, load))
-            if _exceeds(value[:, :2], value):
-                yield f"{load} acts in its plane"
-        elif load.kind == "point_moment":
-            value = load.at(_points(mesh, load))
-            if _exceeds(value[:, 2], value):
-                yield f"{load} turns it in its plane"
-        elif load.kind == "initial_strain" or (
-            load.kind == "temperature" and not (is_constant(load.mean) and load.mean == 0.0)
-        ):
-            yield f"{load} stretches it"
+    for placed in structure.loads:
+        words = placed.item.stretches(placed.vertices(mesh))
+        if words:
+            yield f"{placed.item} {words}"
 
 
-def _exceeds(part: Any, whole: Any) -> bool:
-    return bool(np.abs(part).max(initial=0.0) > NEGLIGIBLE * np.abs(whole).max(initial=0.0))
-
-
-def _points(mesh: Mesh, acting: Any) -> Any:
-    if acting.on is None:
-        return mesh.points
-    chosen = select(mesh, acting.on, what=str(acting))
-    if chosen.dimension == 0:
-        return mesh.points[chosen.members]
-    corners = mesh.edges if chosen.dimension == 1 else mesh.triangles
-    return mesh.points[np.unique(corners[chosen.members])]
-
-
-def _on_chart(scene: Scene, mesh: Mesh, options: SolveOptions, why: str) -> ModelChoice:
+def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:
     if options.element == "argyris":
         return ModelChoice("shell", "argyris", 5, (why, "element argyris: as asked for"))
-    thickness, size = _largest_thickness(scene, mesh), _size_on_chart(scene, mesh)
-    if thickness >= THINNEST_ARGYRIS * size and not _beyond_argyris(scene):
+    thickness, size = _largest_thickness(structure), _size_on_chart(structure)
+    if thickness >= THINNEST * size and not _beyond_argyris(structure):
         reason = (
             "element argyris: the chart is smooth and not very thin, so quintics need the fewest unknowns"
         )
         return ModelChoice("shell", "argyris", 5, (why, reason))
-    order, reason = _order(scene, mesh, options)
+    order, reason = _order(structure, options)
     what = (
-        _beyond_argyris(scene)
+        _beyond_argyris(structure)
         or f"thickness {thickness:.3g} is small against the size {size:.3g}: no locking"
     )
     return ModelChoice("shell", "koiter", order, (why, f"element koiter: {what}", reason))
 
 
-def _beyond_argyris(scene: Scene) -> str:
+def _beyond_argyris(structure: Structure) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
-    if scene.imperfection is not None:
+    if structure.imperfection is not None:
         return "the imperfection moves its nodes"
-    for support in scene.supports:
-        if support.kind == "hinge":
-            return f"{support} needs it"
-    for load in scene.loads:
-        if getattr(load, "follower", False):
-            return f"{load} needs it"
+    for held in structure.supports:
+        if isinstance(held.item, Hinge):
+            return f"{held.item} needs it"
+    for placed in structure.loads:
+        if getattr(placed.item, "follower", False):
+            return f"{placed.item} needs it"
     return ""
 
 
-def _largest_thickness(scene: Scene, mesh: Mesh) -> float:
-    from kshell.material.section import shell_section
-
-    section = shell_section(mesh, scene.thickness, scene.material, scene.layers)
+def _largest_thickness(structure: Structure) -> float:
+    mesh = structure.space
     centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
-    return float(section.thickness(np.arange(len(mesh.triangles)), centres).max())
+    return float(structure.section.thickness(np.arange(len(mesh.triangles)), centres).max())
 
 
-def _size_on_chart(scene: Scene, mesh: Mesh) -> float:
-    x = scene.chart.derivatives(*mesh.points[:, :2].T, order=0)[0]
-    return float(np.linalg.norm(np.ptp(x, axis=0)))
+def _size_on_chart(structure: Structure) -> float:
+    return float(np.linalg.norm(np.ptp(structure.space.points, axis=0)))
 
 
-def _order(scene: Scene, mesh: Mesh, options: SolveOptions) -> tuple[int, str]:
+def _order(structure: Structure, options: SolveOptions) -> tuple[int, str]:
     if options.order != "auto":
         return options.order, f"order {options.order}: as asked for"
-    true_shape = scene.chart is not None or facets(mesh) is None
+    mesh = structure.parameters
+    true_shape = structure.chart is not None or facets(mesh) is None
     if not true_shape:
         return (
             2,

@@ -56,7 +56,7 @@ def buckling_modes(problem: Problem, load: Floats, count: int) -> list[BucklingM
     SolveError
         If there are fewer, because the loads press nowhere.
     """
-    solution = solve_linear(problem.energy, load, problem.reduction, problem.springs)
+    solution = solve_linear(problem.energy, load, problem.reduction, problem.springs, problem.initial)
     rest, memory = np.zeros(problem.energy.unknowns), problem.energy.rest
     stiffness = problem.energy.energy(rest, 2, memory, np.zeros_like(solution.stress)).hessian
     geometric = problem.energy.energy(rest, 2, memory, solution.stress).hessian - stiffness

@@ -28,7 +28,7 @@ Floats = NDArray[np.float64]
 class Linear(NamedTuple):
     """Strains of a state and their first derivative."""
 
-    strain: Floats  # (triangle, r), less the initial ones
+    strain: Floats  # (triangle, r), less initial ones
     gradients: list[Floats]  # s' of each block: (triangle, r, n)
 
     def after(self, step: Floats, unknowns: NDArray[np.int32], blocks: list[slice]) -> Floats:
@@ -55,8 +55,8 @@ class StrainEnergy(ABC):
     ----------
     unknowns : int
     triangle_unknowns : (triangle, n) int array
-    initial : (triangle, r)
-        Strains at which the triangles are free of stress.
+    strains : int
+        Strains r of a triangle.
     blocks : list of slice
         Triangles worked on at a time; they bound the memory of intermediate arrays.
     rest : object
@@ -66,13 +66,13 @@ class StrainEnergy(ABC):
 
     unknowns: int
     triangle_unknowns: NDArray[np.int32]
-    initial: Floats
+    strains: int
     blocks: list[slice]
     rest: Any
 
     @abstractmethod
     def _state(self, x: Floats, memory: Any, triangles: slice) -> Any:
-        """Kinematics of a block, with an attribute `strain` (triangle, r), initial strains not subtracted."""
+        """Kinematics of a block, with an attribute `strain` (triangle, r)."""
 
     @abstractmethod
     def _gradient(self, state: Any, triangles: slice) -> Floats:
@@ -122,16 +122,21 @@ class StrainEnergy(ABC):
         return result
 
     def strain(self, x: Floats, memory: Any = None) -> Floats:
-        """(triangle, r) strains s of a state, less the initial ones."""
+        """(triangle, r) strains s of a state."""
         memory = self.rest if memory is None else memory
-        return np.concatenate([self._state(x, memory, t).strain for t in self.blocks]) - self.initial
+        return np.concatenate([self._state(x, memory, t).strain for t in self.blocks])
 
     def stress(self, strain: Floats) -> Floats:
         """K s: (triangle, r)."""
         return np.concatenate([self._apply(t, strain[t, :, None])[:, :, 0] for t in self.blocks])
 
     def energy(
-        self, x: Floats, derivatives: int = 0, memory: Any = None, stress: Floats | None = None
+        self,
+        x: Floats,
+        derivatives: int = 0,
+        memory: Any = None,
+        stress: Floats | None = None,
+        initial: Floats | None = None,
     ) -> Energy:
         """Energy of a state of finite deformation.
 
@@ -144,15 +149,17 @@ class StrainEnergy(ABC):
         stress : (triangle, r), optional
             Stress of the second derivative instead of that of the state: the mixed iteration of Magisano,
             Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.
+        initial : (triangle, r), optional
+            Strains at which the triangles are free of stress, such as those of temperature.
         """
         memory = self.rest if memory is None else memory
         value = 0.0
         forces = np.zeros(self.triangle_unknowns.shape)
         room = self.sparsity.empty() if derivatives > 1 else None
-        linear = Linear(np.empty_like(self.initial), [])
+        linear = Linear(np.empty((len(self.triangle_unknowns), self.strains)), [])
         for triangles in self.blocks:
             state = self._state(x, memory, triangles)
-            strain = state.strain - self.initial[triangles]
+            strain = state.strain if initial is None else state.strain - initial[triangles]
             mine = self._apply(triangles, strain[:, :, None])[:, :, 0]
             value += 0.5 * float(np.sum(strain * mine))
             if derivatives == 0:
@@ -187,18 +194,18 @@ class StrainEnergy(ABC):
         """No strain, and its derivative at rest: the linear strains."""
         x = np.zeros(self.unknowns)
         gradients = [self._gradient(self._state(x, self.rest, t), t) for t in self.blocks]
-        return Linear(np.zeros_like(self.initial), gradients)
+        return Linear(np.zeros((len(self.triangle_unknowns), self.strains)), gradients)
 
     def linear_stiffness(self) -> sp.csr_matrix:
-        """Second derivative of the energy at rest, without initial strains."""
+        """Second derivative of the energy at rest."""
         room = self.sparsity.empty()
         for triangles, gradient in zip(self.blocks, self.at_rest.gradients, strict=True):
             self.sparsity.put(room, triangles, self._product(gradient, triangles))
         return self.sparsity.matrix(room)
 
     def linear_strain(self, x: Floats) -> Floats:
-        """(triangle, r) strains to first order, less the initial ones."""
-        return self.at_rest.after(x, self.triangle_unknowns, self.blocks) - self.initial
+        """(triangle, r) strains to first order."""
+        return self.at_rest.after(x, self.triangle_unknowns, self.blocks)
 
     def linear_forces(self, stress: Floats) -> Floats:
         """Forces on the unknowns (unknowns,) in equilibrium with a stress, at rest.

@@ -49,14 +49,12 @@ class LinearSolution(NamedTuple):
     corrections: tuple[float, ...]
 
 
-def solve_linear(
-    elastic: StrainEnergy, load: Floats, reduction: Reduction, springs: sp.spmatrix | None = None
-) -> LinearSolution:
-    """Displacements under a load.
+class LinearSolver:
+    """One structure for any number of loads: its stiffness is factorised once.
 
     Parameters
     ----------
-    load : (unknowns,)
+    elastic : StrainEnergy
     reduction : Reduction
         What the conditions leave of the motions.
     springs : (unknowns, unknowns) sparse, optional
@@ -66,48 +64,97 @@ def solve_linear(
     ------
     InputError
         If the structure can move freely.
-    SolveError
-        If rounding leaves no digit.
     """
-    stiffness = elastic.linear_stiffness()
-    if springs is not None:
-        stiffness = stiffness + springs
-    basis = reduction.basis
-    # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
-    solve = Factoriser(reduction, elastic).factorise(stiffness).solve
 
-    if basis.shape[1]:
-        _require_stiff(elastic, stiffness, springs, _softest(stiffness, basis, solve))
-    x = reduction.given.copy()
-    # against what initial strains would store in a blocked shell, too: it may not move at all
-    energy = float(np.sum(elastic.initial * elastic.stress(elastic.initial)))
-    corrections: list[float] = []
-    for _ in range(MOST_REFINEMENTS):
-        stress = elastic.stress(elastic.linear_strain(x))
-        forces = elastic.linear_forces(stress) - load
-        if springs is not None:
-            forces += springs @ x
-        residual = -(basis.T @ forces)
-        step = solve(residual)
-        gain = abs(float(residual @ step))
-        if not np.isfinite(gain):
-            raise SolveError("the shell can move freely: the solution is not finite")
-        energy = max(energy, gain)
-        if energy == 0.0 or gain <= FINISHED * energy:
-            break
-        if len(corrections) > 1 and np.sqrt(gain / energy) > 0.5 * corrections[-1]:
-            break  # rounding: no further digit
-        corrections.append(float(np.sqrt(gain / energy)))
-        x = x + basis @ step
-    if len(corrections) > 1 and corrections[-1] > HOPELESS:
-        motion = basis @ step
-        _require_stiff(elastic, stiffness, springs, motion)
-        raise SolveError(
-            f"rounding leaves a relative error of {corrections[-1]:.1e} in the energy norm: the shell is too thin "
-            "for the mesh, the smallest triangles are too small, or it hangs on too little",
-            state=x,
-        )
-    return LinearSolution(x, forces, stress, tuple(corrections))
+    def __init__(
+        self, elastic: StrainEnergy, reduction: Reduction, springs: sp.spmatrix | None = None
+    ) -> None:
+        self.elastic, self.reduction, self.springs = elastic, reduction, springs
+        stiffness = elastic.linear_stiffness()
+        self._stiffness = stiffness if springs is None else stiffness + springs
+        # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
+        self._solve = Factoriser(reduction, elastic).factorise(self._stiffness).solve
+        if reduction.basis.shape[1]:
+            self._require_stiff(_softest(self._stiffness, reduction.basis, self._solve))
+
+    def solve(
+        self, load: Floats, given: Floats | None = None, initial: Floats | None = None
+    ) -> LinearSolution:
+        """Displacements under a load.
+
+        Parameters
+        ----------
+        load : (unknowns,)
+        given : (unknowns,), optional
+            Prescribed motion, that of the reduction if absent.
+        initial : (triangle, r), optional
+            Strains without stress.
+
+        Raises
+        ------
+        InputError
+            If the structure can move freely.
+        SolveError
+            If rounding leaves no digit.
+        """
+        elastic, basis, springs = self.elastic, self.reduction.basis, self.springs
+        x = (self.reduction.given if given is None else given).copy()
+        # against what initial strains would store in a blocked shell, too: it may not move at all
+        energy = 0.0 if initial is None else float(np.sum(initial * elastic.stress(initial)))
+        corrections: list[float] = []
+        for _ in range(MOST_REFINEMENTS):
+            strain = elastic.linear_strain(x)
+            stress = elastic.stress(strain if initial is None else strain - initial)
+            forces = elastic.linear_forces(stress) - load
+            if springs is not None:
+                forces += springs @ x
+            residual = -(basis.T @ forces)
+            step = self._solve(residual)
+            gain = abs(float(residual @ step))
+            if not np.isfinite(gain):
+                raise SolveError("the shell can move freely: the solution is not finite")
+            energy = max(energy, gain)
+            if energy == 0.0 or gain <= FINISHED * energy:
+                break
+            if len(corrections) > 1 and np.sqrt(gain / energy) > 0.5 * corrections[-1]:
+                break  # rounding: no further digit
+            corrections.append(float(np.sqrt(gain / energy)))
+            x = x + basis @ step
+        if len(corrections) > 1 and corrections[-1] > HOPELESS:
+            self._require_stiff(basis @ step)
+            raise SolveError(
+                f"rounding leaves a relative error of {corrections[-1]:.1e} in the energy norm: the shell is too thin "
+                "for the mesh, the smallest triangles are too small, or it hangs on too little",
+                state=x,
+            )
+        return LinearSolution(x, forces, stress, tuple(corrections))
+
+    def _require_stiff(self, motion: Floats) -> None:
+        """Refuse a mechanism, whether the load drives it or not.
+
+        The energy of the motion is formed from its strains: that of a mechanism is rounding squared, that of the
+        thinnest shell is not.
+        """
+        if not np.isfinite(motion).all():
+            raise InputError(f"the shell can move freely: its stiffness is singular; {HOLD}")
+        motion = motion / np.abs(motion).max()
+        strain = self.elastic.linear_strain(motion)
+        energy = float(np.sum(strain * self.elastic.stress(strain)))
+        if self.springs is not None:
+            energy += float(motion @ (self.springs @ motion))
+        if energy <= MECHANISM * float(motion @ (self._stiffness.diagonal() * motion)):
+            raise InputError(f"the shell can move freely{_where(self.elastic, motion)}: {HOLD}")
+
+
+def solve_linear(
+    elastic: StrainEnergy,
+    load: Floats,
+    reduction: Reduction,
+    springs: sp.spmatrix | None = None,
+    initial: Floats | None = None,
+) -> LinearSolution:
+    """Displacements under one load, see `LinearSolver`."""
+    return LinearSolver(elastic, reduction, springs).solve(load, None, initial)
 
 
 def _softest(stiffness: sp.spmatrix, basis: sp.spmatrix, solve: Callable[[Floats], Floats]) -> Floats:
@@ -116,25 +163,6 @@ def _softest(stiffness: sp.spmatrix, basis: sp.spmatrix, solve: Callable[[Floats
     start = np.random.default_rng(1).standard_normal(len(diagonal)) * np.sqrt(np.abs(diagonal))
     motion: Floats = basis @ solve(basis.T @ start)
     return motion
-
-
-def _require_stiff(
-    elastic: StrainEnergy, stiffness: sp.spmatrix, springs: sp.spmatrix | None, motion: Floats
-) -> None:
-    """Refuse a mechanism, whether the load drives it or not.
-
-    The energy of the motion is formed from its strains: that of a mechanism is rounding squared, that of the
-    thinnest shell is not.
-    """
-    if not np.isfinite(motion).all():
-        raise InputError(f"the shell can move freely: its stiffness is singular; {HOLD}")
-    motion = motion / np.abs(motion).max()
-    strain = elastic.linear_strain(motion) + elastic.initial
-    energy = float(np.sum(strain * elastic.stress(strain)))
-    if springs is not None:
-        energy += float(motion @ (springs @ motion))
-    if energy <= MECHANISM * float(motion @ (stiffness.diagonal() * motion)):
-        raise InputError(f"the shell can move freely{_where(elastic, motion)}: {HOLD}")
 
 
 def _where(energy: StrainEnergy, motion: Floats) -> str:

@@ -60,9 +60,8 @@ class Problem:
     ) -> tuple[Energy, Floats, Floats]:
         """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor)."""
         growth = self.load
-        if self.initial is not None:
-            self.energy.initial = factor * self.initial
-        energy = self.energy.energy(x, derivatives, memory, stress)
+        initial = None if self.initial is None else factor * self.initial
+        energy = self.energy.energy(x, derivatives, memory, stress, initial)
         tangent = energy.hessian
         if self.follower is not None:
             force, stiffness = self.follower(x)

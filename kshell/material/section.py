@@ -41,6 +41,7 @@ class Section:
 
     def __init__(self, mesh: Mesh, thickness: Any, material: Material | None, stack: Laminate | None) -> None:
         """Thickness as in a scene (or ignored where `stack` is given); checked over the whole mesh."""
+        self._given = (thickness, material, stack)
         self._mesh = mesh
         self._stack = stack
         self._Q = np.zeros((3, 3)) if material is None else material.plane_stress()
@@ -54,6 +55,20 @@ class Section:
         self.constant_per_triangle = all(is_constant(value) for value in parts.values())
         self._uniform = self.constant_per_triangle and len(parts) == 1
         self._check_everywhere()
+
+    def on(self, mesh: Mesh) -> Section:
+        """The same on a mesh with vertices moved."""
+        return Section(mesh, *self._given)
+
+    @property
+    def laminate(self) -> Laminate | None:
+        """The layers, where it has some."""
+        return self._stack
+
+    @property
+    def uniform(self) -> bool:
+        """Whether thickness and stiffness are the same everywhere."""
+        return self._uniform
 
     def thickness(self, triangles: Ints, points: Floats) -> Floats:
         """Thickness at points of triangles.

@@ -1,6 +1,5 @@
 """Kirchhoff plates: stiffness, supports, loads, recovered moments and reactions."""
 
-from kshell.plate.model import solve_plate
-from kshell.plate.problem import PlateProblem
+from kshell.plate.model import PlateModel
 
-__all__ = ["PlateProblem", "solve_plate"]
+__all__ = ["PlateModel"]

@@ -18,7 +18,7 @@ g          prescribed deflection
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -154,6 +154,9 @@ class HoldLoad:
 
     def gross(self, size: float) -> float:
         return 0.0
+
+    def times(self, factor: float) -> HoldLoad:
+        return replace(self, deflection=lambda xy: factor * self.deflection(xy))
 
 
 @dataclass(frozen=True)

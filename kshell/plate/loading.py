@@ -8,7 +8,7 @@ kappa(v)^T D kappa_0 with kappa = (v_xx, v_yy, 2 v_xy).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -43,6 +43,9 @@ class LinearForm(Protocol):
 
     def gross(self, size: float) -> float:
         """Sum of absolute forces, moments divided by a size: the scale for errors of equilibrium."""
+
+    def times(self, factor: float) -> LinearForm:
+        """The same load times a factor."""
 
 
 def resultant_of(force: Floats, xy: Floats, origin: Floats) -> Floats:
@@ -93,6 +96,12 @@ class AreaLoad:
         reference = weight @ basis if basis.ndim == 2 else (weight[:, None] @ basis)[:, 0]
         return (reference[:, None] @ transform)[:, 0]
 
+    def times(self, factor: float) -> AreaLoad:
+        pressure = self.pressure
+        if not callable(pressure):
+            return replace(self, pressure=factor * pressure)
+        return replace(self, pressure=lambda triangles, xy: factor * pressure(triangles, xy))
+
     def _patches(self) -> Iterator[Patch]:
         """For resultants: a constant pressure has moments of degree 1."""
         return self.domain.patches(self._degree() if callable(self.pressure) else 1, self.triangles)
@@ -123,6 +132,9 @@ class EdgeLoad:
 
     def __post_init__(self) -> None:
         self.patch: EdgePatch = self.domain.edge_patch(self.edges, self.element.maxdeg + 2)
+
+    def times(self, factor: float) -> EdgeLoad:
+        return replace(self, value=lambda xy: factor * self.value(xy))
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         yield np.arange(len(self.edges)), self.patch.triangles
@@ -159,6 +171,9 @@ class PointLoad:
     xy: Floats  # (2,) where
 
     everywhere = False
+
+    def times(self, factor: float) -> PointLoad:
+        return replace(self, rows=factor * self.rows, total=factor * self.total)
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         yield np.arange(len(self.triangles)), self.triangles
@@ -202,6 +217,9 @@ class CurvatureLoad:
         weighted = self.bending.stiffness(patch.triangles, patch.xy, patch.weights)
         moment = (weighted @ self.curvature(patch.xy)[..., None])[..., 0]  # (n, point, 3)
         return np.einsum("eqk,eqku->eu", moment, rows)
+
+    def times(self, factor: float) -> CurvatureLoad:
+        return replace(self, curvature=lambda xy: factor * self.curvature(xy))
 
     def energy(self) -> float:
         """Half the integral of kappa_0^T D kappa_0."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,13 +12,27 @@ from numpy.typing import NDArray
 from kshell.elements import matrices
 from kshell.errors import InputError
 from kshell.material.section import Section
-from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
 from kshell.plate.supports import first_triangles, points_3d
+from kshell.scene.handlers import Handlers
+from kshell.scene.loads import (
+    EdgeMoment,
+    Gravity,
+    InitialCurvature,
+    InitialStrain,
+    LineForce,
+    Load,
+    PointForce,
+    PointMoment,
+    Pressure,
+    Temperature,
+    Traction,
+)
+from kshell.scene.structure import Placed
 from kshell.values.degree import polynomial_degree
 from kshell.values.varying import is_constant
 
@@ -26,6 +40,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 IN_PLANE = 1e-12
+
+HANDLERS = Handlers('is for shells: take model = "shell", or leave it out')
 
 
 @dataclass
@@ -37,12 +53,27 @@ class Loads:
     forms : list of LinearForm
     curvatures : list of CurvatureLoad
         Those of the forms that are initial curvatures, for moments and energy.
+    numbers : list of int
+        Of the load in the scene that each form belongs to.
     warnings : list of str
     """
 
     forms: list[LinearForm] = field(default_factory=list)
     curvatures: list[CurvatureLoad] = field(default_factory=list)
+    numbers: list[int] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+
+    def of(self, number: int) -> list[LinearForm]:
+        """The forms of one load."""
+        return [form for form, mine in zip(self.forms, self.numbers, strict=True) if mine == number]
+
+    def times(self, factors: Sequence[float]) -> Loads:
+        """The same loads times factors, (load,)."""
+        forms = [
+            form.times(float(factors[number])) for form, number in zip(self.forms, self.numbers, strict=True)
+        ]
+        curvatures = [form for form in forms if isinstance(form, CurvatureLoad)]
+        return Loads(forms, curvatures, self.numbers, self.warnings)
 
     def initial_curvature(self, triangles: Ints, xy: Floats) -> Floats:
         """Sum of initial curvatures (w_xx, w_yy, 2 w_xy) at points (n, point, 2) of triangles (n,)."""
@@ -54,19 +85,20 @@ class Loads:
 
 
 def apply_loads(
-    loads: list[Any], domain: Domain, layout: Layout, bending: Bending, section: Section
+    loads: Iterable[Placed[Load]], domain: Domain, layout: Layout, bending: Bending, section: Section
 ) -> Loads:
-    """Translate the loads of a scene.
+    """Translate the loads of a structure.
 
     Raises
     ------
     InputError
-        For groups that do not exist or do not fit, and for loads in the plane, which a plate in bending
-        cannot answer.
+        For loads in the plane, which a plate in bending cannot answer, and those it does not have.
     """
     builder = _Builder(domain, layout, bending, section)
-    for load in loads:
-        builder.add(load)
+    for number, placed in enumerate(loads):
+        before = len(builder.out.forms)
+        HANDLERS.handle(builder, placed, builder.out.warnings)
+        builder.out.numbers += [number] * (len(builder.out.forms) - before)
     return builder.out
 
 
@@ -75,30 +107,13 @@ class _Builder:
         self.domain, self.layout, self.bending, self.section = domain, layout, bending, section
         self.element = layout.element
         self.out = Loads()
-        self.table: dict[str, Callable[[Any], None]] = {
-            "pressure": self._pressure,
-            "traction": self._traction,
-            "gravity": self._gravity,
-            "line_force": self._line_force,
-            "edge_moment": self._edge_moment,
-            "point_force": self._point_force,
-            "point_moment": self._point_moment,
-            "temperature": self._temperature,
-            "initial_curvature": self._initial_curvature,
-            "initial_strain": self._initial_strain,
-        }
 
-    def add(self, load: Any) -> None:
-        self.table[load.kind](load)
+    def _triangles(self, placed: Placed[Any]) -> Ints | None:
+        return None if placed.place is None else self._members(placed)
 
-    def _select(self, load: Any, dimension: int) -> Selection:
-        selection = select(self.domain.mesh, load.on, dimensions=(dimension,), what=f"load {load.kind}")
-        if selection.warning:
-            self.out.warnings.append(selection.warning)
-        return selection
-
-    def _triangles(self, load: Any) -> Ints | None:
-        return None if load.on is None else self._select(load, 2).members.astype(np.int64)
+    def _members(self, placed: Placed[Any]) -> Ints:
+        """Edges or vertices."""
+        return placed.members(self.domain.mesh).astype(np.int64)
 
     def _across(self, load: Any, xy: Floats) -> Floats:
         """z component of a vector load at points (..., 2), after refusing components in the plane."""
@@ -112,28 +127,33 @@ class _Builder:
             )
         return value[..., 2]
 
-    def _area(self, load: Any, value: float | Callable[[Ints, Floats], Floats], degree: int | None) -> None:
-        self.out.forms.append(AreaLoad(self.domain, self.element, self._triangles(load), value, degree))
+    def _area(
+        self, placed: Placed[Any], value: float | Callable[[Ints, Floats], Floats], degree: int | None
+    ) -> None:
+        self.out.forms.append(AreaLoad(self.domain, self.element, self._triangles(placed), value, degree))
 
-    def _pressure(self, load: Any) -> None:
+    @HANDLERS.of(Pressure)
+    def _pressure(self, load: Any, placed: Placed[Any]) -> None:
         if load.follower:
             raise InputError(
                 f"{load}: follower = true turns the pressure with the surface, which matters only under large "
                 "deflections; leave it out for a linear plate"
             )
         if is_constant(load.value):
-            self._area(load, float(load.value), 0)
+            self._area(placed, float(load.value), 0)
         else:
             self._area(
-                load,
+                placed,
                 lambda triangles, xy: load.at(points_3d(self.domain, xy)),
                 polynomial_degree(load.value),
             )
 
-    def _traction(self, load: Any) -> None:
-        self._area(load, lambda triangles, xy: self._across(load, xy), polynomial_degree(load.value))
+    @HANDLERS.of(Traction)
+    def _traction(self, load: Any, placed: Placed[Any]) -> None:
+        self._area(placed, lambda triangles, xy: self._across(load, xy), polynomial_degree(load.value))
 
-    def _gravity(self, load: Any) -> None:
+    @HANDLERS.of(Gravity)
+    def _gravity(self, load: Any, placed: Placed[Any]) -> None:
         def weight(triangles: Ints, xy: Floats) -> Floats:
             mass = self.section.mass(triangles, points_3d(self.domain, xy))
             if not mass.min(initial=np.inf) > 0.0:
@@ -141,10 +161,11 @@ class _Builder:
             return mass * self._across(load, xy)
 
         even = self.section.constant_per_triangle
-        self._area(load, weight, polynomial_degree(load.value) if even else None)
+        self._area(placed, weight, polynomial_degree(load.value) if even else None)
 
-    def _line_force(self, load: Any) -> None:
-        edges = self._select(load, 1).members.astype(np.int64)
+    @HANDLERS.of(LineForce)
+    def _line_force(self, load: Any, placed: Placed[Any]) -> None:
+        edges = self._members(placed)
         form = EdgeLoad(
             self.domain,
             self.element,
@@ -155,9 +176,9 @@ class _Builder:
         )
         self.out.forms.append(form)
 
-    def _edge_moment(self, load: Any) -> None:
-        selection = self._select(load, 1)
-        edges = selection.members.astype(np.int64)
+    @HANDLERS.of(EdgeMoment)
+    def _edge_moment(self, load: Any, placed: Placed[Any]) -> None:
+        edges = self._members(placed)
         inside = edges[self.domain.mesh.edge_counts[edges] > 1]
         if len(inside):
             where = self.domain.points[self.domain.mesh.edges[inside[0]]].mean(axis=0)
@@ -175,8 +196,9 @@ class _Builder:
         )
         self.out.forms.append(form)
 
-    def _point_force(self, load: Any) -> None:
-        for vertex in self._select(load, 0).members:
+    @HANDLERS.of(PointForce)
+    def _point_force(self, load: Any, placed: Placed[Any]) -> None:
+        for vertex in self._members(placed):
             xy = self.domain.points[vertex]
             force = float(self._across(load, xy[None])[0])
             triangles, corner = first_triangles(self.domain.mesh, np.array([vertex], dtype=np.int64))
@@ -185,8 +207,9 @@ class _Builder:
             total = np.array([force, 0.0, 0.0])
             self.out.forms.append(PointLoad(self.domain, self.element, triangles, rows, total, xy))
 
-    def _point_moment(self, load: Any) -> None:
-        for vertex in self._select(load, 0).members:
+    @HANDLERS.of(PointMoment)
+    def _point_moment(self, load: Any, placed: Placed[Any]) -> None:
+        for vertex in self._members(placed):
             xy = self.domain.points[vertex]
             mx, my, mz = load.at(points_3d(self.domain, xy[None]))[0]
             if abs(mz) > IN_PLANE * max(abs(mx), abs(my), abs(mz)):
@@ -205,25 +228,28 @@ class _Builder:
         xi = affine.reference_coordinates(np.broadcast_to(xy, (len(triangles), 1, 2)))
         return matrices.rows(self.element, affine, xi, 1, self.element.transformation(affine))[:, 0]
 
-    def _temperature(self, load: Any) -> None:
+    @HANDLERS.of(Temperature)
+    def _temperature(self, load: Any, placed: Placed[Any]) -> None:
         mean = is_constant(load.mean) and load.mean == 0.0
         if not mean:
             self.out.warnings.append(
                 f"{load}: the mean temperature stretches the plate in its plane and does not bend it: ignored"
             )
         parts = [polynomial_degree(load.gradient), polynomial_degree(load.expansion)]
-        self._curvature(load, None if None in parts else sum(part or 0 for part in parts))
+        self._curvature(load, placed, None if None in parts else sum(part or 0 for part in parts))
 
-    def _initial_curvature(self, load: Any) -> None:
-        self._curvature(load, polynomial_degree(load.value))
+    @HANDLERS.of(InitialCurvature)
+    def _initial_curvature(self, load: Any, placed: Placed[Any]) -> None:
+        self._curvature(load, placed, polynomial_degree(load.value))
 
-    def _initial_strain(self, load: Any) -> None:
+    @HANDLERS.of(InitialStrain)
+    def _initial_strain(self, load: Any, placed: Placed[Any]) -> None:
         self.out.warnings.append(f"{load}: it stretches the plate in its plane and does not bend it: ignored")
 
-    def _curvature(self, load: Any, degree: int | None) -> None:
+    def _curvature(self, load: Any, placed: Placed[Any], degree: int | None) -> None:
         def curvature(xy: Floats) -> Floats:
             return load.curvature_at(points_3d(self.domain, xy)) * np.array([1.0, 1.0, 2.0])
 
-        form = CurvatureLoad(self.bending, self._triangles(load), curvature, degree)
+        form = CurvatureLoad(self.bending, self._triangles(placed), curvature, degree)
         self.out.forms.append(form)
         self.out.curvatures.append(form)

@@ -1,16 +1,18 @@
-"""A plate ready to solve: the scene's words turned into matrix, loads and space, stage by stage."""
+"""A plate ready to solve: a structure turned into matrix, loads and space, stage by stage."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import copy
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements import ElementArgyris, ElementMorley, PlateElement
-from kshell.material.section import Section, plate_section
-from kshell.mesh.mesh import Mesh
+from kshell.material.laminate import require_symmetric
+from kshell.mesh.check import plate_problems
 from kshell.mesh.words import place
 from kshell.plate.assembly import Assembled, assemble, assemble_load
 from kshell.plate.corners import singular_corners
@@ -23,8 +25,7 @@ from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import require_held
 from kshell.plate.space import plate_space
 from kshell.plate.supports import Supports, apply_supports
-from kshell.scene.options import SolveOptions
-from kshell.scene.scene import Scene
+from kshell.scene.structure import Structure
 from kshell.solvers import PlateSpace
 from kshell.solvers.dense import DENSE_UP_TO
 
@@ -32,8 +33,6 @@ Floats = NDArray[np.float64]
 
 ELEMENTS: dict[str, type[PlateElement]] = {"morley": ElementMorley, "argyris": ElementArgyris}
 
-# up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
-ARGYRIS_UP_TO = 100_000
 BLUNT_CORNER = np.radians(25.0)
 # error of the deflection over the ratio of the stiffest to the softest bending: 2e-13 to 3e-11 were measured on simply
 # supported disks with nu near -1, where all bending is of the softest kind (verification/failures/poisson.py)
@@ -41,37 +40,13 @@ AMPLIFIED = 3e-11
 WORTH_SAYING = 1e-6
 
 
-@dataclass(frozen=True)
-class ElementChoice:
-    """An element and why it was taken."""
-
-    element: PlateElement
-    reason: str
-
-
-def choose_element(options: SolveOptions, mesh: Mesh) -> ElementChoice:
-    """The element asked for, or the one that suits the size of the mesh."""
-    n = len(mesh.triangles)
-    if options.element != "auto":
-        return ElementChoice(ELEMENTS[options.element](), f"element {options.element}: as asked for")
-    if n <= ARGYRIS_UP_TO:
-        reason = f"element argyris: {n} triangles are few enough for quintics, the most accurate choice"
-        return ElementChoice(ElementArgyris(), reason)
-    reason = (
-        f"element morley: {n} triangles are more than {ARGYRIS_UP_TO}, where quintics would take long; "
-        'element = "argyris" has them all the same'
-    )
-    return ElementChoice(ElementMorley(), reason)
-
-
 class PlateProblem:
-    """A scene as a plate problem.
+    """A structure as a plate problem.
 
     Parameters
     ----------
-    scene : Scene
-    mesh : Mesh
-        Planar, in a plane of constant z.
+    structure : Structure
+        Its mesh in a plane of constant z.
     element : PlateElement
 
     Raises
@@ -80,22 +55,22 @@ class PlateProblem:
         If a support, load, material or thickness does not fit, or the plate is not held.
     """
 
-    def __init__(self, scene: Scene, mesh: Mesh, element: PlateElement) -> None:
-        self.mesh, self.element = mesh, element
-        self.domain = Domain(mesh, curved=element.maxdeg > 2)
-        self.layout = Layout(mesh, element)
-        self.section: Section = plate_section(mesh, scene.thickness, scene.material, scene.layers)
+    def __init__(self, structure: Structure, element: PlateElement) -> None:
+        self.structure, self.mesh, self.section = structure, structure.space, structure.section
+        self.element = element
+        plate_problems(self.mesh)
+        if self.section.laminate is not None:
+            require_symmetric(self.section.laminate)
+        self.domain = Domain(self.mesh, curved=element.maxdeg > 2)
+        self.layout = Layout(self.mesh, element)
         self.bending = Bending(self.domain, element, self.section)
-        self.supports: Supports = apply_supports(list(scene.supports), self.domain, self.layout, self.bending)
-        self.loads: Loads = apply_loads(
-            list(scene.loads), self.domain, self.layout, self.bending, self.section
-        )
+        self.supports: Supports = apply_supports(structure.supports, self.domain, self.layout, self.bending)
+        self.loads: Loads = apply_loads(structure.loads, self.domain, self.layout, self.bending, self.section)
         springs = [form for _, form in self.supports.springs]
         require_held(self.domain, self.layout, self.supports.conditions, springs)
         self.reduction = Reduction(self.layout, self.supports.conditions)
         holds = [form for _, form in self.supports.holds]
         self.forms: list[Form] = [self.bending, *springs, *holds]
-        self.linear_forms = [*self.loads.forms, *self.supports.hold_loads]
 
     @property
     def small(self) -> bool:
@@ -113,7 +88,8 @@ class PlateProblem:
         return self._assemble(FullPattern(self.reduction)) if self.small else self.assembled
 
     def _assemble(self, pattern: Pattern | FullPattern) -> Assembled:
-        return assemble(self.forms, self.linear_forms, self.domain, self.reduction, pattern)
+        loads = [*self.loads.forms, *self.supports.hold_loads]
+        return assemble(self.forms, loads, self.domain, self.reduction, pattern)
 
     @cached_property
     def space(self) -> PlateSpace:
@@ -129,6 +105,27 @@ class PlateProblem:
         if stiffness.max() < 2.0 * stiffness.min():
             return space
         return replace(space, stiffness=stiffness)  # coarse levels follow its jumps
+
+    def under(self, factors: Sequence[float], motion: float) -> PlateProblem:
+        """The same plate under its loads times factors, (load,), and its prescribed motion times one."""
+        out = copy.copy(self)
+        out.loads = self.loads.times(factors)
+        out.supports = replace(
+            self.supports, hold_loads=[load.times(motion) for load in self.supports.hold_loads]
+        )
+        out.reduction = self.reduction.times(motion)
+        loads = [*out.loads.forms, *out.supports.hold_loads]
+        load, work = assemble_load(loads, self.domain, out.reduction)
+        changed = {
+            "load": load,
+            "load_work": work,
+            "fixed_load": motion * self.system.fixed_load,
+            "fixed_energy": motion**2 * self.system.fixed_energy,
+        }
+        for name in ("system", "assembled"):
+            if name in self.__dict__:
+                out.__dict__[name] = replace(self.__dict__[name], **changed)
+        return out
 
     def energies(self, q: Floats) -> tuple[float, float]:
         """Strain energy, and the work of the loads when they are applied slowly.

@@ -12,6 +12,7 @@ B    orthonormal basis at a vertex: free directions first, then the fixed ones
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -140,6 +141,12 @@ class Reduction:
                 "gap of one element between the two supports"
             )
         return vector, b - fixed.sum(axis=1), solution
+
+    def times(self, factor: float) -> Reduction:
+        """The same with the prescribed motion times a factor."""
+        out = copy(self)
+        out.particular = factor * self.particular
+        return out
 
     @cached_property
     def vertex_place(self) -> Ints:

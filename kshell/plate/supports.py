@@ -12,7 +12,7 @@ order of the element on curved ones. The Morley element holds its vertex and mid
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from kshell.elements import matrices
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.select import Selection, select
+from kshell.mesh.select import Selection
 from kshell.mesh.words import place
 from kshell.plate.curves import EdgeCurves, edge_curves
 from kshell.plate.domain import Domain
@@ -30,6 +30,9 @@ from kshell.plate.forms import AreaSpring, Bending, EdgeSpring, Form, PointSprin
 from kshell.plate.holds import CurvedHold, HoldLoad
 from kshell.plate.layout import Layout
 from kshell.plate.reduction import Conditions
+from kshell.scene.handlers import Handlers
+from kshell.scene.structure import Placed
+from kshell.scene.supports import Clamped, Elastic, Fixed, Free, SimplySupported, Support, Symmetry
 from kshell.values.degree import polynomial_degree
 
 Floats = NDArray[np.float64]
@@ -37,6 +40,8 @@ Ints = NDArray[np.int64]
 
 SAMPLES = np.linspace(0.0, 1.0, 6)  # where prescribed values are read along an edge: a quintic
 NONE = np.zeros(0, dtype=np.int64)
+
+HANDLERS = Handlers('is for shells: take model = "shell", or leave it out')
 
 
 @dataclass
@@ -98,21 +103,19 @@ class Supports:
     warnings: list[str] = field(default_factory=list)
 
 
-def apply_supports(supports: list[Any], domain: Domain, layout: Layout, bending: Bending) -> Supports:
-    """Translate the supports of a scene.
+def apply_supports(
+    supports: Iterable[Placed[Support]], domain: Domain, layout: Layout, bending: Bending
+) -> Supports:
+    """Translate the supports of a structure.
 
     Raises
     ------
     InputError
-        For groups that do not exist or do not fit the kind of support.
+        For supports that do not fit the element, or that plates do not have.
     """
     builder = _Builder(domain, layout, bending)
-    for support in supports:
-        names = (
-            support.on if isinstance(support.on, tuple) and isinstance(support.on[0], str) else (support.on,)
-        )
-        for on in names:
-            builder.add(support, on)
+    for placed in supports:
+        HANDLERS.handle(builder, placed, builder.out.warnings)
     return builder.out
 
 
@@ -131,22 +134,20 @@ class _Builder:
         self.rich = layout.per_vertex == 6  # gradients and Hessians at vertices
         self.out = Supports()
 
-    def add(self, support: Any, on: Any) -> None:
+    @HANDLERS.of(Free)
+    def _free(self, support: Any, placed: Placed[Any]) -> None:
+        """Nothing is held."""
+
+    @HANDLERS.of(Clamped, SimplySupported, Symmetry, Fixed)
+    def _held(self, support: Any, placed: Placed[Any]) -> None:
+        selection = placed.place
+        assert selection is not None  # supports are somewhere
         what = f"support {support.kind}"
-        dimensions = (1,) if support.kind == "symmetry" else (0, 1, 2)
-        selection = select(self.mesh, on, dimensions=dimensions, what=what)
-        if selection.warning:
-            self.out.warnings.append(selection.warning)
-        if support.kind == "free":
-            return
         if getattr(support, "axes", None) is not None:
             raise InputError(
                 f"{what} on '{selection.label}': axes of its own are for shells, where motion in the plane counts; set "
                 'model = "shell", or leave axes out'
             )
-        if support.kind == "elastic":
-            self._springs(support, selection, what)
-            return
         holds_w, holds_r = "z" in support.freedoms, "r" in support.freedoms
         if not (holds_w or holds_r):
             return  # in-plane freedoms do not concern a plate in bending
@@ -382,7 +383,11 @@ class _Builder:
                 'with fix = "r"'
             )
 
-    def _springs(self, support: Any, selection: Selection, what: str) -> None:
+    @HANDLERS.of(Elastic)
+    def _springs(self, support: Any, placed: Placed[Any]) -> None:
+        selection = placed.place
+        assert selection is not None  # supports are somewhere
+        what = f"support {support.kind}"
         unsuitable = set(support.freedoms) - {"z", "r"}
         if unsuitable == set(support.freedoms):
             return

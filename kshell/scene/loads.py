@@ -10,7 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.errors import InputError
 from kshell.scene.places import On, Place, ScalarValue, VectorValue, on_words
 from kshell.values.validation import Flag, described
-from kshell.values.varying import values_at
+from kshell.values.varying import is_constant, values_at
+
+# part of a load that is nothing but rounding
+NEGLIGIBLE = 1e-12
+
+
+def exceeds(part: NDArray[np.float64], whole: NDArray[np.float64]) -> bool:
+    """Whether components of values are more than rounding of the largest."""
+    return bool(np.abs(part).max(initial=0.0) > NEGLIGIBLE * np.abs(whole).max(initial=0.0))
 
 
 class Load:
@@ -25,16 +33,36 @@ class Load:
     value : scalar or vector
     components : int or None
         Length of the vector, None for a scalar.
+    dimensions : tuple of int
+        What it may be on: 0 points, 1 curves, 2 surfaces.
     """
 
     kind: ClassVar[str] = ""
     components: ClassVar[int | None] = None
+    dimensions: ClassVar[tuple[int, ...]] = (2,)
     on: Place | None
     value: Any
 
     def at(self, points: ArrayLike) -> NDArray[np.float64]:
         """The value at points (..., 3): (...) for a scalar, (..., components) for a vector."""
         return values_at(self.value, points, self.components, what=str(self))
+
+    def require_finite(self, points: ArrayLike) -> None:
+        """Raise InputError if it has no finite value at some of the points (n, 3)."""
+        self.at(points)
+
+    def stretches(self, points: ArrayLike) -> str:
+        """How it stretches a plate in its plane z = const, in words; empty if it only bends it.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            Vertices of its place.
+        """
+        if self.components != 3:
+            return ""
+        value = self.at(points)
+        return "acts in its plane" if exceeds(value[:, :2], value) else ""
 
     def __str__(self) -> str:
         return f"load {self.kind} {on_words(self.on)}"
@@ -48,6 +76,9 @@ class Pressure(Load):
     value: ScalarValue
     on: On | None = None
     follower: Flag = False
+
+    def stretches(self, points: ArrayLike) -> str:
+        return "follows the surface" if self.follower else ""
 
 
 @described("load traction")
@@ -75,6 +106,7 @@ class LineForce(Load):
     """Force per length along curves, a vector."""
 
     kind: ClassVar[str] = "line_force"
+    dimensions: ClassVar[tuple[int, ...]] = (1,)
     components: ClassVar[int | None] = 3
     on: On
     value: VectorValue
@@ -85,6 +117,7 @@ class EdgeMoment(Load):
     """Bending moment per length on an edge: positive puts the face z = +t/2 in tension."""
 
     kind: ClassVar[str] = "edge_moment"
+    dimensions: ClassVar[tuple[int, ...]] = (1,)
     on: On
     value: ScalarValue
 
@@ -94,6 +127,7 @@ class PointForce(Load):
     """Force at a point, a vector."""
 
     kind: ClassVar[str] = "point_force"
+    dimensions: ClassVar[tuple[int, ...]] = (0,)
     components: ClassVar[int | None] = 3
     on: On
     value: VectorValue
@@ -104,9 +138,14 @@ class PointMoment(Load):
     """Moment vector at a point."""
 
     kind: ClassVar[str] = "point_moment"
+    dimensions: ClassVar[tuple[int, ...]] = (0,)
     components: ClassVar[int | None] = 3
     on: On
     value: VectorValue
+
+    def stretches(self, points: ArrayLike) -> str:
+        value = self.at(points)
+        return "turns it in its plane" if exceeds(value[:, 2], value) else ""
 
 
 @described("load temperature")
@@ -144,6 +183,13 @@ class Temperature(Load):
         """Stress-free strain of the middle surface at points (..., 3): expansion times mean."""
         return self._at("expansion", points) * self._at("mean", points)
 
+    def require_finite(self, points: ArrayLike) -> None:
+        self.curvature_at(points)
+        self.strain_at(points)
+
+    def stretches(self, points: ArrayLike) -> str:
+        return "" if is_constant(self.mean) and self.mean == 0.0 else "stretches it"
+
     def _at(self, key: str, points: ArrayLike) -> NDArray[np.float64]:
         return values_at(getattr(self, key), points, what=f"{self}, {key}")
 
@@ -161,6 +207,9 @@ class InitialCurvature(Load):
         """Stress-free (w_xx, w_yy, w_xy) at points (..., 3)."""
         return self.at(points)
 
+    def stretches(self, points: ArrayLike) -> str:
+        return ""
+
 
 @described("load initial_strain")
 class InitialStrain(Load):
@@ -173,6 +222,9 @@ class InitialStrain(Load):
     components: ClassVar[int | None] = 3
     value: VectorValue
     on: On | None = None
+
+    def stretches(self, points: ArrayLike) -> str:
+        return "stretches it"
 
 
 LOADS: dict[str, type[Any]] = {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,23 +12,22 @@ from kshell.errors import InputError
 from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
-from kshell.scene.scene import Scene
 
 Floats = NDArray[np.float64]
 
 POINT = 1e-12  # length of an edge, against the size of the mesh, that is none
 
 
-def mesh_in_space(scene: Scene, mesh: Mesh) -> Mesh:
+def mesh_in_space(chart: Any, mesh: Mesh) -> Mesh:
     """The mesh itself, or the same triangles on the chart, of order 2, with the same groups.
 
     Raises
     ------
     InputError
-        If the scene has a chart but the mesh is not flat in a plane z = const, or the chart takes an edge to a point
+        If there is a chart but the mesh is not flat in a plane z = const, or the chart takes an edge to a point
         or to none.
     """
-    if scene.chart is None:
+    if chart is None:
         return mesh
     nodes = mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints])
     if not is_flat(nodes):
@@ -37,7 +37,7 @@ def mesh_in_space(scene: Scene, mesh: Mesh) -> Mesh:
             f"from {z.min():g} to {z.max():g}: mesh the parameters, or leave the chart out"
         )
     middle = mesh.points[mesh.edges].mean(axis=1) if mesh.midpoints is None else mesh.midpoints
-    space = replace(mesh, points=lifted(scene, mesh.points), midpoints=lifted(scene, middle))
+    space = replace(mesh, points=lifted(chart, mesh.points), midpoints=lifted(chart, middle))
     _require_edges(mesh, space)
     return space
 
@@ -54,6 +54,6 @@ def _require_edges(mesh: Mesh, space: Mesh) -> None:
         )
 
 
-def lifted(scene: Scene, parameters: Floats) -> Floats:
+def lifted(chart: Any, parameters: Floats) -> Floats:
     """Points (n, 3) of the chart over parameters (n, 2 or 3)."""
-    return np.asarray(scene.chart.derivatives(*parameters[:, :2].T, order=0)[0], dtype=float)
+    return np.asarray(chart.derivatives(*parameters[:, :2].T, order=0)[0], dtype=float)

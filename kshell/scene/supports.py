@@ -33,9 +33,12 @@ class Support:
         The freedoms that are held (or sprung), letters of "xyzr".
     value : scalar, vector or None
         Prescribed translation: a vector, or a scalar for z; None is zero.
+    dimensions : tuple of int
+        What it may be on: 0 points, 1 curves, 2 surfaces.
     """
 
     kind: ClassVar[str] = ""
+    dimensions: ClassVar[tuple[int, ...]] = (0, 1, 2)
     on: Place
     freedoms: str
     value: Any = None
@@ -50,6 +53,10 @@ class Support:
             return values_at(self.value, points, components=3, what=str(self))
         result[..., 2] = values_at(self.value, points, what=str(self))
         return result
+
+    def require_finite(self, points: ArrayLike) -> None:
+        """Raise InputError if what it prescribes has no finite value at some of the points (n, 3)."""
+        self.translation_at(points)
 
     def __str__(self) -> str:
         return f"support {self.kind} {on_words(self.on)}"
@@ -87,6 +94,7 @@ class Symmetry(Support):
     """A plane of symmetry: no translation across it and no rotation about the edge."""
 
     kind: ClassVar[str] = "symmetry"
+    dimensions: ClassVar[tuple[int, ...]] = (1,)
     on: On
     freedoms: str = field(default="r", init=False, repr=False)
 
@@ -105,6 +113,7 @@ class Hinge(Support):
     """A hinge line of a shell: the sheets that meet there turn freely about it, nothing else is released."""
 
     kind: ClassVar[str] = "hinge"
+    dimensions: ClassVar[tuple[int, ...]] = (1,)
     on: On
     freedoms: str = field(default="", init=False, repr=False)
 
@@ -147,6 +156,9 @@ class Elastic(Support):
         object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "elastic"))
         if is_constant(self.stiffness) and not self.stiffness > 0.0:
             raise InputError(f"support elastic: stiffness = {self.stiffness:g} must be > 0")
+
+    def require_finite(self, points: ArrayLike) -> None:
+        self.stiffness_at(points)
 
     def stiffness_at(self, points: ArrayLike) -> NDArray[np.float64]:
         """(...) stiffness at points (..., 3), not negative.

@@ -1,26 +1,22 @@
-"""Results of a shell: of a linear solution, of one state of large deflections, and of a path with its states."""
+"""Results of a shell: of a linear solution, and of one state of large deflections."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.equilibrium.linear import LinearSolution
-from kshell.equilibrium.path import Critical
 from kshell.equilibrium.problem import State
-from kshell.equilibrium.work import external_work
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
 from kshell.shell.fields import ShellFields
-from kshell.shell.large import Trace
+from kshell.shell.group_reactions import find_reactions
 from kshell.shell.problem import ShellProblem
-from kshell.shell.scene_reactions import find_reactions
 
 Floats = NDArray[np.float64]
 
@@ -32,84 +28,42 @@ FRAME = "projection of global x (of y where x is normal) on the tangent plane"
 
 def answer_linear(problem: ShellProblem, solution: LinearSolution) -> Result:
     """The result of small deflections."""
-    return _answer(problem, solution, small_fields(problem, solution.x), problem.loads.forces)
+    return _answer(
+        problem, solution, small_fields(problem, solution.x, problem.loads.initial), problem.loads.forces
+    )
 
 
 def answer_state(problem: ShellProblem, state: State, work: float) -> Result:
     """The result of one state of large deflections, to which the loads did some work."""
     _, residual, _ = problem.equilibrium().evaluate(state.x, state.factor, 1, state.memory)
     solution = LinearSolution(state.x, -residual, np.zeros(0), ())
-    result = _answer(problem, solution, _state_fields(problem, state), problem.forces_at(state), state.x)
-    # fields refer to the strains of this state, of which the energy keeps one at a time
-    result.fields, result.cell_fields = dict(result.fields), dict(result.cell_fields)
+    result = _answer(problem, solution, state_fields(problem, state), problem.forces_at(state), state.x)
     result.external_work = work
     return result
 
 
-def answer_trace(problem: ShellProblem, trace: Trace) -> Result:
-    """The result of the last state, with the path to it."""
-    works = external_work(problem.equilibrium(), trace.states)
-    result = answer_state(problem, trace.states[-1], works[-1])
-    for number, state in enumerate(trace.states):
-        last = number == len(trace.states) - 1
-        values = result.probes if last else probes_of(problem, _state_fields(problem, state))[0]
-        entry = {
-            "factor": float(state.factor),
-            "probes": {name: {**p, "frame": FRAME} for name, p in values.items()},
-        }
-        entry |= {"iterations": state.iterations, "stable": state.negative == 0}
-        result.path.append(entry)
-        result.series.append((state.factor, partial(answer_state, problem, state, works[number])))
-    for number, (step, critical) in enumerate(trace.critical, 1):
-        factor = float(critical.state.factor)
-        result.critical.append({"kind": critical.kind, "factor": factor, "before_step": step})
-        result.critical[-1] |= {"then": critical.then}
-        mode = small_fields(problem, critical.mode)
-        result.fields[f"mode_{number}"] = mode.vertex_fields["displacement"]
-        result.warnings.append(_what_happens(critical, trace.states[step].factor))
-    unstable = next((state for state in trace.states if state.negative > 0), None)
-    if unstable is not None and trace.states[-1].negative > 0:
-        result.warnings.append(
-            f"the equilibrium is unstable: from the load factor {unstable.factor:.6g} on a small disturbance "
-            "makes the shell buckle"
-        )
-    return result
-
-
-def _what_happens(critical: Critical, after: float) -> str:
-    """At a critical point, in words."""
-    factor = critical.state.factor
-    if critical.kind == "jump":
-        return (
-            f"the path could not be followed beyond the factor {factor:.6g}: from there the shell jumps to a stable "
-            f"state at the factor {after:.6g}"
-        )
-    passes = f"the load passes a {critical.kind} point at the factor {factor:.6g}"
-    if critical.then == "branched":
-        return f"{passes}: the path goes on along the branch that leaves there"
-    if critical.then == "jumped":
-        return f"{passes}: the shell jumps there to another stable state, here at the factor {after:.6g}"
-    return f"{passes}: a real shell jumps there to the next stable state"
-
-
 def probes_of(problem: ShellProblem, fields: ShellFields) -> tuple[dict[str, dict[str, Any]], list[str]]:
     """Values at the probes of the scene, and warnings about them."""
-    return probe_values(problem.scene.probes, fields.at, problem.space, "shell")
+    return probe_values(problem.structure.probes, fields.at, problem.space, "shell")
 
 
-def small_fields(problem: ShellProblem, x: Floats) -> ShellFields:
-    """Fields of small displacements (unknowns,)."""
-    return _fields(problem, problem.discretisation.recovery(problem.energy, x))
+def small_fields(problem: ShellProblem, x: Floats, initial: Floats | None = None) -> ShellFields:
+    """Fields of small displacements (unknowns,), with strains without stress (triangle, r)."""
+    return _fields(problem, problem.discretisation.recovery(problem.energy, x, initial=initial))
 
 
-def _state_fields(problem: ShellProblem, state: State) -> ShellFields:
-    if problem.loads.initial is not None:
-        problem.energy.initial = state.factor * problem.loads.initial
-    return _fields(problem, problem.discretisation.recovery(problem.energy, state.x, True, state.memory))
+def state_fields(problem: ShellProblem, state: State) -> ShellFields:
+    """Fields of a state of finite deformation."""
+    initial = problem.loads.initial
+    if initial is not None:
+        initial = state.factor * initial
+    return _fields(
+        problem, problem.discretisation.recovery(problem.energy, state.x, True, state.memory, initial)
+    )
 
 
 def _fields(problem: ShellProblem, recovery: Any) -> ShellFields:
-    offset = problem.scene.offset
+    offset = problem.structure.offset
     patches, angles = problem.discretisation.patches()
     find = problem.locator.find
     return ShellFields(problem.space, recovery, problem.section, offset, patches, angles, find)
@@ -147,7 +101,7 @@ def _answer(
         cell_fields=fields.cell_fields,
         unknowns=problem.reduction.basis.shape[1],
         model={"kind": "shell"},
-        title=problem.scene.title,
+        title=problem.structure.title,
         frame=FRAME,
         probes=probes,
         reactions=groups,
@@ -159,7 +113,6 @@ def _answer(
         evaluate=fields.at,
         error=error,
         warnings=warnings + probe_warnings,
-        scene=problem.scene,
     )
 
 

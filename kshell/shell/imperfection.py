@@ -7,11 +7,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from kshell.equilibrium.bifurcation import buckling_modes
+from kshell.equilibrium.model import Model
 from kshell.errors import InputError
 from kshell.mesh.words import place
 from kshell.scene.imperfection import Imperfection
 from kshell.shell.koiter.discretisation import USE_KOITER
-from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.model import KoiterModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.reference import lagrange, lattice
 
@@ -21,8 +22,8 @@ Floats = NDArray[np.float64]
 APART = 1e-6
 
 
-def imperfect(problem: ShellProblem, imperfection: Imperfection) -> tuple[ShellProblem, str]:
-    """The problem with its nodes moved, and words about it.
+def imperfect(model: Model) -> KoiterModel:
+    """The model with the imperfection of its structure: nodes moved, and words about it among its reasons.
 
     Raises
     ------
@@ -31,8 +32,11 @@ def imperfect(problem: ShellProblem, imperfection: Imperfection) -> tuple[ShellP
     SolveError
         If there are not so many buckling modes.
     """
-    if not isinstance(problem.energy, Koiter):
+    imperfection = model.structure.imperfection
+    assert imperfection is not None
+    if not isinstance(model, KoiterModel):
         raise InputError(f"imperfection: Argyris elements on a chart follow the chart: {USE_KOITER}")
+    problem = model.problem
     if imperfection.file is not None:
         offsets, what = _of_file(problem, imperfection), f"{imperfection.file.name}"
     else:
@@ -43,8 +47,8 @@ def imperfect(problem: ShellProblem, imperfection: Imperfection) -> tuple[ShellP
     if largest == 0.0:
         raise InputError(f"imperfection: {what} moves no node: leave it out")
     amplitude = largest if imperfection.amplitude is None else imperfection.amplitude
-    moved = ShellProblem(problem.scene, problem.mesh, problem.choice, offsets * (amplitude / largest))
-    return moved, f"imperfection: nodes are moved by up to {abs(amplitude):.6g}, {what}"
+    words = f"imperfection: nodes are moved by up to {abs(amplitude):.6g}, {what}"
+    return KoiterModel(model.structure, model.order, [*model.reasons, words], offsets * (amplitude / largest))
 
 
 def _of_file(problem: ShellProblem, imperfection: Imperfection) -> Floats:

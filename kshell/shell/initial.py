@@ -58,7 +58,7 @@ def temperature(mean: Value, gradient: Value, expansion: float = 1.0) -> StressF
 
 def initial_strain(energy: Koiter | ChartKoiter, state: StressFree, triangles: Ints | None = None) -> Floats:
     """The strains s of the energy in that state, zero outside `triangles`: (triangle, r)."""
-    result = np.zeros_like(energy.initial)
+    result = np.zeros((len(energy.triangle_unknowns), energy.strains))
     chosen = np.arange(len(result)) if triangles is None else np.asarray(triangles)
     if isinstance(energy, ChartKoiter):
         chart = energy.surface

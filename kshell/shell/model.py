@@ -1,155 +1,159 @@
-"""The shell from scene to result."""
+"""What both shells have in common as analyses need them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
-from pathlib import Path
+import copy
+import hashlib
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar, Literal
 
 import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
 
-from kshell.analysis.clock import Clock, Stage, peak_memory_mb
-from kshell.analysis.model_choice import ModelChoice, choose_model
-from kshell.equilibrium.linear import LinearSolution, solve_linear
-from kshell.errors import InputError, Interrupted, SolveError
-from kshell.mesh.mesh import Mesh
+from kshell.equilibrium.linear import LinearSolver
+from kshell.equilibrium.model import FiniteModel, Solved
+from kshell.equilibrium.problem import Problem, State
+from kshell.errors import InputError, SolveError
+from kshell.result.deferred import Deferred
 from kshell.result.result import Result
-from kshell.scene.options import SolveOptions
-from kshell.scene.scene import Scene
-from kshell.shell.answer import answer_linear, answer_trace, probes_of, small_fields
-from kshell.shell.imperfection import imperfect
-from kshell.shell.large import Indicator, Trace, grow_load, indicate
+from kshell.shell.answer import FRAME, answer_linear, answer_state, probes_of, small_fields, state_fields
 from kshell.shell.problem import ShellProblem
 
+Floats = NDArray[np.float64]
 
-def solve_shell(
-    scene: Scene,
-    mesh: Mesh,
-    options: SolveOptions,
-    progress: Stage | None = None,
-    read_seconds: float = 0.0,
-    folder: Path | None = None,
-    resume: bool = False,
-) -> Result:
-    """Deflection of a Koiter shell, small or large as asked for or as it matters.
+
+class ShellModel(FiniteModel):
+    """A Koiter shell of either discretisation; x are displacements and rotations, or displacements and derivatives.
 
     Parameters
     ----------
-    scene : Scene
-    mesh : Mesh
-        Of the scene, as read.
-    options : SolveOptions
-    progress : function, optional
-        Called with the name of each stage: assemble, solve, recover; and after each load step.
-    read_seconds : float
-        Time already spent on reading.
-    folder : Path, optional
-        Where each converged load step is written.
-    resume : bool
-        Go on after the last step in the folder.
-
-    Raises
-    ------
-    InputError
-        If the scene does not fit, or the shell is not held.
-    SolveError
-        If no answer was reached; of a growing load its `state` is the result of the last good step.
-    Interrupted
-        If the user stopped a growing load; its `state` as above.
+    problem : ShellProblem
+    order : int
+    reasons : sequence of str
+        Why this model.
     """
-    clock = Clock(progress, read_seconds)
-    if options.solver == "multigrid":
-        raise InputError('solver = "multigrid" is for plates: shells are solved with "direct" or "auto"')
-    with clock.stage("assemble"):
-        choice: ModelChoice = choose_model(scene, mesh, options)
-        problem, known = ShellProblem(scene, mesh, choice), []
-        if scene.imperfection is not None:
-            problem, words = imperfect(problem, scene.imperfection)
-            known.append(words)
-    large = options.large_asked
-    solution: LinearSolution | None = None
-    indicator: Indicator | None = None
-    trace: Trace | None = None
-    answer: Callable[[], Result]
-    with clock.stage("solve"):
-        if not large:
-            solution = _solve_small(problem)
-            answer, iterations = partial(answer_linear, problem, solution), len(solution.corrections)
-            if options.large_deflection == "auto":
-                indicator = indicate(problem, solution, options.large_tolerance)
-                large = indicator.matters
-        if large:
-            trace = grow_load(problem, options, progress, folder, resume)
-            answer, iterations = partial(answer_trace, problem, trace), trace.iterations
-    with clock.stage("recover"):
-        result = answer()
-        reasons = _reasons(problem, result, solution, indicator, large)
-    if trace is None and indicator is not None:
-        result.error["budget"]["large_deflection"] = indicator.change
-    result.analysis = options.analysis
-    result.model = {
-        "kind": "shell",
-        "large_deflection": large,
-        "element": choice.element,
-        "order": choice.order,
-        "reasons": [*problem.reasons(), *known, *reasons, *(f"mesh: {note}" for note in mesh.notes)],
-    }
-    result.solver = {
-        "name": "direct",
-        "why": "shells are factorised",
-        "iterations": iterations,
-        **({} if trace is None else {"steps": len(trace.states) - 1}),
-        "seconds": {**clock.seconds},
-        "peak_memory_mb": peak_memory_mb(),
-    }
-    if trace is not None and trace.failure is not None:
-        raise _failure(trace.failure, result, indicator)
-    return result
 
+    kind: ClassVar[Literal["plate", "shell"]] = "shell"
+    frame = FRAME
 
-def _solve_small(problem: ShellProblem) -> LinearSolution:
-    solution = solve_linear(problem.energy, problem.load, problem.reduction, problem.springs)
-    if not np.isfinite(solution.x).all():
-        raise SolveError(
-            "the solution is not finite: check the magnitudes of stiffness and loads", state=solution.x
+    def __init__(self, problem: ShellProblem, order: int, reasons: Sequence[str]) -> None:
+        self.problem, self.structure, self.order, self.reasons = (
+            problem,
+            problem.structure,
+            order,
+            list(reasons),
         )
-    return solution
+        self._solver: LinearSolver | None = None  # where several loads are solved for
 
+    @property
+    def unknowns(self) -> int:
+        return int(self.problem.reduction.basis.shape[1])
 
-def _reasons(
-    problem: ShellProblem,
-    result: Result,
-    solution: LinearSolution | None,
-    indicator: Indicator | None,
-    large: bool,
-) -> list[str]:
-    """Why small or large deflections, with the displacement of each probe both ways where it was decided here."""
-    if indicator is None or solution is None:
-        asked = "large deflections" if large else "linear: only small deflections are computed"
-        return [f"{asked}, as asked for"]
-    if not large:
-        return [indicator.words()]
-    small, _ = probes_of(problem, small_fields(problem, solution.x))
-    both = [
-        f'probe "{name}": u = {_vector(values["u"])}, linear {_vector(small[name]["u"])}'
-        for name, values in result.probes.items()
-    ]
-    return [f"{indicator.words()}; large_deflection = false keeps the linear solution", *both]
+    def warnings(self) -> list[str]:
+        return self.problem.warnings()
 
+    def stiffness(self) -> sp.csr_matrix:
+        problem, stiffness = self.problem, self.problem.energy.linear_stiffness()
+        return problem.reduction.reduce(stiffness if problem.springs is None else stiffness + problem.springs)
 
-def _vector(u: np.ndarray) -> str:
-    largest = float(np.abs(u).max())
-    return "(" + ", ".join(f"{0.0 if abs(c) < 1e-9 * largest else c:.5g}" for c in u) + ")"
+    def product(self) -> Callable[[Floats], Floats]:
+        basis = self.problem.reduction.basis
+        return lambda q: basis.T @ self._forces(basis @ q)
 
+    def _forces(self, x: Floats) -> Floats:
+        """K x on all unknowns, through strains."""
+        energy, springs = self.problem.energy, self.problem.springs
+        forces = energy.linear_forces(energy.stress(energy.linear_strain(x)))
+        return forces if springs is None else forces + springs @ x
 
-def _failure(
-    failure: SolveError | Interrupted, result: Result, indicator: Indicator | None
-) -> SolveError | Interrupted:
-    """The same with the last good state, and with why large deflections were computed unless they were asked for."""
-    if indicator is not None and isinstance(failure, SolveError):
-        return SolveError(
-            f"{failure}. {indicator.words()}; large_deflection = false answers with the linear solution",
-            result,
-        )
-    failure.state = result
-    return failure
+    def load_vectors(self) -> Floats:
+        problem, loads = self.problem, self.problem.loads
+        out = np.zeros((len(self.structure.loads), problem.discretisation.unknowns))
+        for number, force in zip(loads.numbers, loads.forces, strict=True):
+            out[number] += force
+        for number, strain in loads.strains:
+            out[number] += problem.energy.linear_forces(problem.energy.stress(strain))
+        return np.asarray(out @ problem.reduction.basis)
+
+    def motion_vector(self) -> Floats:
+        return -(self.problem.reduction.basis.T @ self._forces(self.problem.reduction.given))
+
+    def expand(self, q: Floats) -> Floats:
+        return np.asarray(self.problem.reduction.basis @ q)
+
+    def mass(self) -> sp.csr_matrix:
+        mass = self.full_mass()
+        if not mass.diagonal().any():
+            raise InputError("the material has no density: give it, in mass per volume")
+        return self.problem.reduction.reduce(mass)
+
+    @abstractmethod
+    def full_mass(self) -> sp.csr_matrix:
+        """Consistent mass matrix of all unknowns."""
+
+    def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
+        return self.problem.reduction.reduce(self.problem.energy.geometric_stiffness(solved.own.stress))
+
+    def under(self, factors: Sequence[float], motion: float = 1.0) -> ShellModel:
+        if self._solver is None:
+            self._solver = self._linear_solver()
+        out = copy.copy(self)
+        out.problem = self.problem.under(factors, motion)
+        return out
+
+    def _linear_solver(self) -> LinearSolver:
+        problem = self.problem
+        return LinearSolver(problem.energy, problem.reduction, problem.springs)
+
+    def solve(self, solver: str = "auto") -> Solved:
+        problem = self.problem
+        linear = self._linear_solver() if self._solver is None else self._solver
+        solution = linear.solve(problem.load, problem.reduction.given, problem.loads.initial)
+        if not np.isfinite(solution.x).all():
+            raise SolveError(
+                "the solution is not finite: check the magnitudes of stiffness and loads", state=solution.x
+            )
+        return Solved(solution.x, "direct", "shells are factorised", len(solution.corrections), solution)
+
+    def recover(self, solved: Solved) -> Result:
+        return answer_linear(self.problem, solved.own)
+
+    def motion_fields(self, x: Floats) -> Deferred[Floats]:
+        return small_fields(self.problem, x).vertex_fields
+
+    def equilibrium(self) -> Problem:
+        return self.problem.equilibrium()
+
+    @property
+    def thickness(self) -> float:
+        section = self.problem.energy.section
+        return float(np.sqrt(12.0 * np.abs(section.bending).max() / np.abs(section.membrane).max()))
+
+    def probe_row(self, name: str, component: str) -> Floats:
+        found = self.problem.locator.find(np.array([self.structure.probes[name]], dtype=float))
+        axis = "xyz".index(component)
+        row: Floats = self.problem.discretisation.translation_row(int(found.triangles[0]), found.xi[0], axis)
+        return row
+
+    def linear_probes(self, solved: Solved) -> dict[str, dict[str, Any]]:
+        fields = small_fields(self.problem, solved.x, self.problem.loads.initial)
+        return probes_of(self.problem, fields)[0]
+
+    def recover_state(self, state: State, work: float) -> Result:
+        return answer_state(self.problem, state, work)
+
+    def state_probes(self, state: State) -> dict[str, dict[str, Any]]:
+        return probes_of(self.problem, state_fields(self.problem, state))[0]
+
+    def fingerprint(self) -> str:
+        problem = self.problem
+        digest = hashlib.sha256(f"{self.element} {self.order}".encode())
+        basis = problem.reduction.basis.tocsc()
+        arrays = [problem.space.points, problem.space.triangles, problem.load, problem.reduction.given]
+        arrays += [basis.indptr, basis.indices, basis.data, problem.energy.stiffness]
+        arrays += [strain for _, strain in problem.loads.strains]
+        for array in arrays:
+            digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()

@@ -1,8 +1,9 @@
-"""A shell ready to solve: the scene's words turned into energy, loads and conditions."""
+"""A shell ready to solve: a structure turned into energy, loads and conditions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import copy
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -11,23 +12,18 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.analysis.model_choice import ModelChoice
 from kshell.equilibrium.problem import Follower, Problem, State
-from kshell.errors import InputError
+from kshell.equilibrium.reduction import Reduction
 from kshell.material.materials import rotated
-from kshell.material.section import Section, shell_section
 from kshell.mesh import quadratic
 from kshell.mesh.closest import Locator
-from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
-from kshell.scene.on_chart import lifted, mesh_in_space
-from kshell.scene.scene import Scene
+from kshell.scene.structure import Structure
 from kshell.shell.held import require_held
-from kshell.shell.koiter.discretisation import USE_KOITER, KoiterDiscretisation
-from kshell.shell.scene_loads import SceneLoads, apply_loads
-from kshell.shell.scene_supports import SceneSupports, apply_supports, hinge_edges
+from kshell.shell.loads import ShellLoads, apply_loads
 from kshell.shell.section import Section as Stiffness
 from kshell.shell.shape_checks import shape_warnings
+from kshell.shell.supports import ShellSupports, apply_supports
 
 Floats = NDArray[np.float64]
 
@@ -36,25 +32,24 @@ NEARLY_NORMAL = np.radians(10.0)
 
 
 class ShellProblem:
-    """A scene as a shell problem.
+    """A structure as a shell problem.
 
     Parameters
     ----------
-    scene : Scene
-    mesh : Mesh
-        Of the scene, as read.
-    choice : ModelChoice
-    offsets : (node, 3), optional
-        By which the nodes of a Koiter discretisation are moved.
+    structure : Structure
+    discretisation : KoiterDiscretisation or ArgyrisDiscretisation
+        On its mesh.
 
     Attributes
     ----------
     space : Mesh
         The mesh in space.
-    discretisation : KoiterDiscretisation or ArgyrisDiscretisation
     energy : StrainEnergy
     load : (unknowns,)
+        All loads at rest.
     reduction : Reduction
+    springs : sparse, optional
+        Stiffness of elastic supports.
 
     Raises
     ------
@@ -62,29 +57,38 @@ class ShellProblem:
         If a support, load, material or thickness does not fit, or the shell is not held.
     """
 
-    def __init__(self, scene: Scene, mesh: Mesh, choice: ModelChoice, offsets: Floats | None = None) -> None:
-        self.scene, self.mesh, self.choice = scene, mesh, choice
-        self.space = mesh_in_space(scene, mesh)
-        if offsets is not None:
-            self.space = moved_mesh(self.space, choice.order, offsets)
-        self.section: Section = shell_section(self.space, scene.thickness, scene.material, scene.layers)
-        hinges = hinge_edges(list(scene.supports), self.space)
-        self.discretisation = _discretise(scene, mesh, choice, hinges, offsets)
-        self.energy = self.discretisation.energy(self._stiffness())
-        self.supports: SceneSupports = apply_supports(list(scene.supports), self.space, self.discretisation)
-        self.loads: SceneLoads = apply_loads(
-            list(scene.loads), self.space, self.discretisation, self.energy, self.section
+    def __init__(self, structure: Structure, discretisation: Any) -> None:
+        self.structure, self.space, self.section = structure, structure.space, structure.section
+        self.discretisation = discretisation
+        self.energy = discretisation.energy(self._stiffness())
+        self.supports: ShellSupports = apply_supports(structure.supports, self.space, discretisation)
+        self.loads: ShellLoads = apply_loads(
+            structure.loads, self.space, discretisation, self.energy, self.section
         )
-        if self.loads.initial is not None:
-            self.energy.initial = self.loads.initial
-        self.load: Floats = np.sum([np.zeros(self.discretisation.unknowns), *self.loads.forces], axis=0)
-        self.reduction = self.supports.conditions.reduction()
+        self.reduction: Reduction = self.supports.conditions.reduction()
         self.springs: sp.csr_matrix | None = self.supports.springs
-        require_held(self.space, self.discretisation, self.reduction, self.springs)
+        require_held(self.space, discretisation, self.reduction, self.springs)
+
+    @cached_property
+    def load(self) -> Floats:
+        return self.sum_of(self.loads.forces)
+
+    def sum_of(self, forces: list[Floats]) -> Floats:
+        """Sum of (unknowns,) arrays, zeros where there are none."""
+        total: Floats = np.sum([np.zeros(self.discretisation.unknowns), *forces], axis=0)
+        return total
+
+    def under(self, factors: Sequence[float], motion: float) -> ShellProblem:
+        """The same shell under its loads times factors, (load,), and its prescribed motion times one."""
+        out = copy.copy(self)
+        out.__dict__.pop("load", None)
+        out.loads = self.loads.times(factors)
+        out.reduction = self.reduction._replace(given=motion * self.reduction.given)
+        return out
 
     def _stiffness(self) -> Stiffness:
         """A, B, D about the meshed surface, offset below the middle of the material."""
-        section, z = self.section, self.scene.offset
+        section, z = self.section, self.structure.offset
 
         def at(triangles: NDArray[np.integer], points: Floats) -> tuple[Floats, Floats, Floats]:
             a, b, d = (
@@ -95,12 +99,11 @@ class ShellProblem:
             return a, b + z * a, d + 2 * z * b + z * z * a
 
         triangles = np.arange(len(self.space.triangles))
-        constant = not isinstance(self.scene.thickness, dict) and section.constant_per_triangle
-        points, weight = self.discretisation.interior_points(triangles[:1] if constant else triangles)
+        points, weight = self.discretisation.interior_points(triangles[:1] if section.uniform else triangles)
         triangles = triangles[: len(points)]
         weight = (weight / weight.sum(axis=1, keepdims=True))[..., None, None]
         a, b, d = ((weight * m).sum(axis=1) for m in at(triangles, points))
-        stiffness = Stiffness.from_stiffness(a, d, b, direction=self.scene.direction)
+        stiffness = Stiffness.from_stiffness(a, d, b, direction=self.structure.direction)
         return stiffness if section.constant_per_triangle else replace(stiffness, varying=at)
 
     def equilibrium(self) -> Problem:
@@ -117,7 +120,7 @@ class ShellProblem:
         return Problem(
             self.energy,
             self.reduction,
-            np.sum([np.zeros(self.discretisation.unknowns), *dead], axis=0),
+            self.sum_of(dead),
             follower,
             self.springs,
             initial=loads.initial,
@@ -136,10 +139,6 @@ class ShellProblem:
             for k, force in enumerate(loads.forces)
         ]
 
-    def reasons(self) -> list[str]:
-        """Why this model, in words."""
-        return [*self.choice.reasons]
-
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
         out = [*self.supports.warnings, *self.loads.warnings]
@@ -153,7 +152,7 @@ class ShellProblem:
     def _axes_warnings(self) -> list[str]:
         """Material axes counted from the projection of x jump where x is nearly normal."""
         directed = any(_depends_on_direction(q) for q in self.section.moduli)
-        if self.scene.direction is not None or not directed:
+        if self.structure.direction is not None or not directed:
             return []
         mesh = self.space
         corners = mesh.points[mesh.triangles]
@@ -171,41 +170,8 @@ class ShellProblem:
         ]
 
 
-def moved_mesh(mesh: Mesh, order: int, offsets: Floats) -> Mesh:
-    """The mesh with nodes of an order moved by (node, 3) offsets."""
-    count, edges = len(mesh.points), len(mesh.edges)
-    points = mesh.points + offsets[:count]
-    if mesh.midpoints is None:
-        return replace(mesh, points=points)
-    ends = offsets[:count][mesh.edges].sum(axis=1)
-    inner = offsets[count : count + (order - 1) * edges].reshape(edges, order - 1, 3).sum(axis=1)
-    # the polynomial of the edge at its middle
-    middle = {1: 0.5 * ends, 2: inner, 3: (9 * inner - ends) / 16}[order]
-    return replace(mesh, points=points, midpoints=mesh.midpoints + middle)
-
-
 def _depends_on_direction(q: Floats) -> bool:
     """Whether a plane-stress stiffness (3, 3) is not isotropic: it changes when it is turned."""
     return bool(
         np.abs(rotated(q, 30.0) - q).max() + np.abs(rotated(q, 45.0) - q).max() > 1e-9 * np.abs(q).max()
     )
-
-
-def _discretise(
-    scene: Scene, mesh: Mesh, choice: ModelChoice, hinges: NDArray[np.integer], offsets: Floats | None
-) -> Any:
-    if choice.element == "argyris":
-        from kshell.shell.chart.discretisation import ArgyrisDiscretisation
-
-        if len(hinges):
-            raise InputError(
-                f"support hinge: Argyris functions on a chart are smooth, so there are no hinges: {USE_KOITER}"
-            )
-        return ArgyrisDiscretisation(mesh, scene.chart)
-    lift: Callable[[Floats], Floats] | None = None
-    if scene.chart is not None:
-
-        def lift(points: Floats) -> Floats:
-            return lifted(scene, points)
-
-    return KoiterDiscretisation(mesh, choice.order, lift, hinges, offsets)

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from kshell.analysis.model_choice import THINNEST_ARGYRIS
 from kshell.material.section import Section
 from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
+from kshell.shell.chart.limits import THINNEST
 
 Floats = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def _locking(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
     centres = mesh.points[mesh.triangles].mean(axis=1)
     t = float(section.thickness(np.arange(len(mesh.triangles)), centres[:, None]).min())
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
-    if t >= (THINNEST_ARGYRIS if argyris else THINNEST_LINEAR) * size:
+    if t >= (THINNEST if argyris else THINNEST_LINEAR) * size:
         return []
     corners = mesh.points[mesh.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -252,7 +252,7 @@ def test_exit_codes(folder, capsys, monkeypatch, error, code, words):
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("kshell.plate.solve_plate", fail)
+    monkeypatch.setattr("kshell.analysis.static.analyse", fail)
     assert words in refused(capsys, code, "solve", "scene.toml", "-o", "out")
     assert not Path("out").exists()
     got, _, err = run(capsys, "solve", "scene.toml", "--debug")
@@ -310,7 +310,7 @@ def test_a_real_process(folder):
     assert failed.stdout == ""
     assert failed.stderr.count("\n") == 1
     fault = (
-        "import kshell.plate; kshell.plate.solve_plate = None; from kshell.cli.commands import main; main()"
+        "import kshell.analysis.static as s; s.analyse = None; from kshell.cli.commands import main; main()"
     )
     broken = subprocess.run(
         [sys.executable, "-c", fault, "solve", "scene.toml"], capture_output=True, text=True

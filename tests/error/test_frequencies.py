@@ -10,6 +10,7 @@ from kshell.plate.assembly import assemble
 from kshell.plate.inertia import Mass
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 from kshell.solvers.eigen import smallest
 from kshell.solvers.pencil import Pencil
 from tests.plate.plates import rectangle
@@ -30,7 +31,7 @@ def test_known_values_lie_above(sides, n):
     material = ks.Isotropic(E=12 * (1 - 0.3**2), nu=0.3, density=1.0)
     held = [KINDS[k](on) for k, on in zip(sides, ("left", "bottom", "right", "top"), strict=True)]
     scene = ks.Scene(mesh=mesh, thickness=1.0, material=material, supports=held, loads=[ks.Pressure(1.0)])
-    plate = PlateProblem(scene, mesh, ElementMorley())
+    plate = PlateProblem(resolve(scene, mesh), ElementMorley())
     form = Mass(plate.domain, plate.element, plate.section)
     mass = assemble([form], [], plate.domain, plate.reduction, Pattern(plate.reduction)).matrix
     pencil = Pencil(plate.assembled.matrix, mass, np.zeros((plate.reduction.count, 0)))

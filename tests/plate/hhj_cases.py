@@ -11,6 +11,7 @@ from kshell.plate.hhj import translate
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 
 MATERIAL = ks.Isotropic(E=12 * (1 - 0.3**2), nu=0.3)
 
@@ -61,7 +62,7 @@ def whole_edge(points: np.ndarray, triangles: np.ndarray) -> Mesh:
 def problem(mesh: Mesh, supports: list, loads: list, material=MATERIAL, thickness=1.0) -> PlateProblem:
     """The Argyris problem of a scene."""
     scene = ks.Scene(mesh=mesh, thickness=thickness, material=material, supports=supports, loads=loads)
-    return PlateProblem(scene, mesh, ElementArgyris())
+    return PlateProblem(resolve(scene, mesh), ElementArgyris())
 
 
 def hhj(of: PlateProblem, order: int) -> tuple[HHJSystem, HHJSolution]:

@@ -8,9 +8,9 @@ import numpy as np
 
 import kshell as ks
 from kshell.mesh.mesh import Mesh
-from kshell.plate import solve_plate
+from kshell.plate import PlateModel
 from kshell.result.result import Result
-from kshell.scene.options import SolveOptions
+from kshell.scene.structure import resolve
 
 UNIT = {"E": 12 * (1 - 0.3**2), "nu": 0.3}  # with thickness 1 the bending stiffness D is 1
 
@@ -87,4 +87,5 @@ def solve(
         settings = {}
     settings.update(scene)
     made = ks.Scene(mesh=mesh, supports=supports, loads=loads, **settings)
-    return solve_plate(made, mesh, SolveOptions(element=element))
+    model = PlateModel(resolve(made, mesh), element)
+    return model.recover(model.solve())

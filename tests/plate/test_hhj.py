@@ -13,6 +13,7 @@ from kshell.elements.quadrature import triangle_rule
 from kshell.plate.hhj import LARGEST_ORDER
 from kshell.plate.hhj.tables import canonical, edge_points
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 from tests.plate.hhj_cases import MATERIAL, hhj, nearest, problem, square
 
 SUPPORTED_CENTRE = 0.004062352660675052  # Navier's series, nu = .3, D = 1
@@ -99,7 +100,7 @@ def test_order_one_is_morley():
     mesh = square(4, jitter=0.2)
     loads = [ks.PointForce((0.5, 0.5, 0), (0, 0, 1.0)), ks.PointForce((0.25, 0.75, 0), (0, 0, -0.5))]
     scene = ks.Scene(mesh=mesh, thickness=1.0, material=MATERIAL, supports=[ks.Clamped("left")], loads=loads)
-    morley = PlateProblem(scene, mesh, ElementMorley())
+    morley = PlateProblem(resolve(scene, mesh), ElementMorley())
     q = np.linalg.solve(morley.system.matrix, morley.system.load)
     _, found = hhj(problem(mesh, list(scene.supports), loads), 1)
     expected = morley.reduction.expand(q)[: len(mesh.points)]

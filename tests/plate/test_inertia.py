@@ -9,6 +9,7 @@ from kshell.plate.assembly import assemble
 from kshell.plate.inertia import Mass, Membrane
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 from kshell.solvers.critical import CriticalPencil, factors
 from kshell.solvers.eigen import smallest
 from kshell.solvers.pencil import Pencil
@@ -23,7 +24,7 @@ def problem(mesh, element, supports, thickness=1.0):
     scene = ks.Scene(
         mesh=mesh, thickness=thickness, material=material, supports=supports, loads=[ks.Pressure(1.0)]
     )
-    return PlateProblem(scene, mesh, ELEMENTS[element]())
+    return PlateProblem(resolve(scene, mesh), ELEMENTS[element]())
 
 
 def matrix(plate, form):

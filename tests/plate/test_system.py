@@ -5,10 +5,11 @@ import pytest
 import scipy.sparse as sp
 
 import kshell as ks
+from kshell.analysis.models import model_of
 from kshell.elements import ElementArgyris, ElementMorley
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
-from kshell.scene.options import SolveOptions
+from kshell.scene.structure import resolve
 from tests.plate.plates import UNIT, disk, rectangle, solve
 
 ELEMENTS = {"morley": ElementMorley, "argyris": ElementArgyris}
@@ -27,7 +28,7 @@ SUPPORTS = {
 
 def problem(mesh, supports, element, loads=(), thickness=1.0):
     scene = ks.Scene(mesh=mesh, thickness=thickness, material=STEEL, supports=supports, loads=list(loads))
-    return PlateProblem(scene, mesh, ELEMENTS[element]())
+    return PlateProblem(resolve(scene, mesh), ELEMENTS[element]())
 
 
 def full_matrix(p):
@@ -161,11 +162,10 @@ def test_morley_has_no_rotation_at_a_point_and_says_so(support):
 
 
 def test_options_choose_the_element():
-    from kshell.plate.problem import choose_element
-
-    mesh = rectangle(4)
-    assert choose_element(SolveOptions(), mesh).element.name == "argyris"
-    assert choose_element(SolveOptions(element="morley"), mesh).element.name == "morley"
+    held = [ks.Clamped("left")]
+    scene = ks.Scene(mesh=rectangle(4), thickness=1.0, material=STEEL, supports=held)
+    assert model_of(scene).element == "argyris"
+    assert model_of(scene, element="morley").element == "morley"
 
 
 def test_lines_of_symmetry_of_one_group_may_meet_at_a_corner():

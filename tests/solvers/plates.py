@@ -12,6 +12,7 @@ import kshell as ks
 from kshell.elements import ElementArgyris, ElementMorley
 from kshell.mesh.mesh import Group, Mesh
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 
 ELEMENTS = {"morley": ElementMorley, "argyris": ElementArgyris}
 
@@ -129,4 +130,4 @@ def plate(
         supports=SUPPORTS[supports] if isinstance(supports, str) else list(supports),
         loads=list(loads) or [ks.Pressure(1e3)],
     )
-    return PlateProblem(scene, mesh, ELEMENTS[element]())
+    return PlateProblem(resolve(scene, mesh), ELEMENTS[element]())

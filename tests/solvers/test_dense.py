@@ -6,6 +6,7 @@ import pytest
 import kshell as ks
 from kshell.elements import ElementArgyris, ElementMorley
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 from kshell.solvers import solve_system
 from kshell.solvers.dense import solve_dense
 from tests.plate.plates import UNIT, rectangle
@@ -20,7 +21,7 @@ def scene(mesh, supports, loads):
 @pytest.mark.parametrize("element", [ElementMorley(), ElementArgyris()], ids=["morley", "argyris"])
 def test_dense_and_sparse_assembly_and_solution_agree(element):
     made = scene(rectangle(3), HELD, [ks.Pressure("1 + x")])
-    problem = PlateProblem(made, made.mesh, element)
+    problem = PlateProblem(resolve(made, made.mesh), element)
     assert problem.small
     dense, sparse = problem.system, problem.assembled
     size = np.abs(dense.matrix).max()

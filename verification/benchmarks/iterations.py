@@ -27,6 +27,7 @@ from kshell.elements import ElementArgyris, ElementMorley
 from kshell.mesh.mesh import Group, Mesh
 from kshell.mesh.order import in_spatial_order
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 from kshell.solvers import prepare
 
 HERE = Path(__file__).parent
@@ -112,7 +113,7 @@ def iterations(shape: str, element: str, unknowns: float, folder: Path) -> dict[
             supports=supports,
             loads=[ks.Pressure(1e3)],
         )
-        problem = PlateProblem(scene, mesh, kind())
+        problem = PlateProblem(resolve(scene, mesh), kind())
         system = problem.assembled
         solution = prepare(system.matrix, problem.space, "multigrid").solve(system.load, 1e-8)
         found[name] = (system.matrix.shape[0], solution.iterations)

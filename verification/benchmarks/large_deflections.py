@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 import kshell as ks
-from kshell.analysis.model_choice import choose_model
+from kshell.analysis.models import model_of
 from kshell.equilibrium.path import PathFollower
-from kshell.mesh import read_mesh
+from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
 from kshell.verify.cases import large_scenes as scenes
 
@@ -79,8 +79,9 @@ def plates() -> None:
 
 def kernel(scene: ks.Scene) -> ShellProblem:
     """The problem of a scene, for displacement control."""
-    mesh = read_mesh(scene.mesh)
-    return ShellProblem(scene, mesh, choose_model(scene, mesh, scene.solve))
+    model = model_of(scene)
+    assert isinstance(model, ShellModel)
+    return model.problem
 
 
 def roof(layered: bool, sizes: list[int], table: list[tuple[float, float]]) -> None:

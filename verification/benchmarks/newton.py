@@ -163,9 +163,8 @@ def whole_solves() -> None:
     import numpy as np
 
     import kshell as ks
-    from kshell.analysis.model_choice import choose_model
+    from kshell.analysis.models import model_of
     from kshell.equilibrium.load_steps import load_path
-    from kshell.shell.problem import ShellProblem
     from kshell.verify.cases import large_scenes as scenes
 
     def of_strip(result: ks.Result) -> list[float]:
@@ -195,9 +194,7 @@ def whole_solves() -> None:
         result = ks.solve(scene, large_deflection=True, order=2, steps=steps)
         of_scene = time.process_time() - begin
         begin = time.process_time()
-        mesh = scene.read_mesh()
-        choice = choose_model(scene, mesh, scene.solve.updated(large_deflection=True, order=2))
-        load_path(ShellProblem(scene, mesh, choice).equilibrium(), steps)
+        load_path(model_of(scene, large_deflection=True, order=2).equilibrium(), steps)
         of_kernel = time.process_time() - begin
         errors = np.array(values(result)) / references - 1
         print(

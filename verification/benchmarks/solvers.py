@@ -72,6 +72,7 @@ def measure(element: str, path: Path, method: str, tolerance: float | None) -> d
     from kshell.mesh.mesh import Group, Mesh
     from kshell.mesh.order import in_spatial_order
     from kshell.plate.problem import PlateProblem
+    from kshell.scene.structure import resolve
     from kshell.solvers import prepare
 
     begin = time.process_time()
@@ -86,7 +87,7 @@ def measure(element: str, path: Path, method: str, tolerance: float | None) -> d
         supports=[ks.Clamped("edge")],
         loads=[ks.Pressure(1e3)],
     )
-    problem = PlateProblem(scene, mesh, ElementMorley() if element == "morley" else ElementArgyris())
+    problem = PlateProblem(resolve(scene, mesh), ElementMorley() if element == "morley" else ElementArgyris())
     matrix, load, space = problem.assembled.matrix, problem.assembled.load, problem.space
     assembled = time.process_time()
     assembly_peak = _peak_memory()

@@ -69,20 +69,21 @@ def koiter_energy(bent: Bent, order: int) -> float:
     koiter = Koiter(surface, Section.isotropic(YOUNG, NU, THICKNESS))
     u = bent.place(surface.flat_nodes) - surface.nodes
     directors = exact_directors(surface, bent, u)
+    initial = np.zeros((len(bent.mesh.triangles), koiter.strains))
     if bent.rest is None:  # b instead of b - B: without curvature at rest
         ref = surface.reference
         normal = cross(*surface.tangents(ref.first)) / surface.area_elements
         form = np.stack([dot(normal, x) for x in surface.jets(surface.nodes, ref.second)])
         interior = koiter.tables.bending(form / surface.area_elements, np.zeros_like(surface.edge_stretch))
-        koiter.initial[:, ref.strains :] = -interior
+        initial[:, ref.strains :] = -interior
     x = np.zeros(surface.unknowns)
     x[: surface.rotation_start] = u.ravel()
-    found = koiter.energy(x, 2, directors)
+    found = koiter.energy(x, 2, directors, initial=initial)
     fixed = surface.rotations_of_edges(bent.mesh.boundary_edges)
     free = np.setdiff1d(np.arange(surface.rotation_start, surface.unknowns), fixed)
     # the energy is a quadratic function of the rotations
     x[free] -= spla.spsolve(found.hessian.tocsr()[free][:, free].tocsc(), found.gradient[free])
-    return float(energies(koiter, koiter.strain(x, directors))[1].sum()) / STIFFNESS
+    return float(energies(koiter, koiter.strain(x, directors) - initial)[1].sum()) / STIFFNESS
 
 
 def exact_directors(surface: Surface, bent: Bent, u: Floats) -> Directors:

@@ -10,6 +10,7 @@ import numpy as np
 import kshell as ks
 from kshell.elements import ElementArgyris
 from kshell.plate.problem import PlateProblem
+from kshell.scene.structure import resolve
 from kshell.verify.cases import find
 from kshell.verify.cases.case import Run
 from verification.failures.failure import Failure, Numbers, columns, lines, panels
@@ -29,7 +30,7 @@ def factorised_once(scene: ks.Scene) -> float:
     from scipy.sparse.linalg import splu
 
     mesh = scene.read_mesh()
-    problem = PlateProblem(scene, mesh, ElementArgyris())
+    problem = PlateProblem(resolve(scene, mesh), ElementArgyris())
     system = problem.assembled
     factor = splu(
         system.matrix.tocsc(),

@@ -62,7 +62,7 @@ class Pointwise(Koiter):
         for k in range(q):
             self.stiffness[:, 3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = at_points[:, k]
         self.stiffness[:, 3 * q :, 3 * q :] = bending
-        self.initial = np.zeros((count, 3 * q + r))
+        self.strains = 3 * q + r
 
     def _state(self, x: Floats, memory: Directors, triangles: slice) -> State:
         state = super()._state(x, memory, triangles)

@@ -38,13 +38,10 @@ def solve(arrays: dict[str, Any], job: dict[str, Any]) -> Read:
 
 def _bare(scene: ks.Scene, options: dict[str, Any], problem: str) -> Read:
     """A linear shell without recovery and reactions: what the other programs do."""
-    from kshell.analysis.model_choice import choose_model
-    from kshell.equilibrium.linear import solve_linear
-    from kshell.shell.problem import ShellProblem
+    from kshell.analysis.models import model_of
 
-    mesh = scene.read_mesh()
-    shell = ShellProblem(scene, mesh, choose_model(scene, mesh, scene.solve.updated(**options)))
-    solution = solve_linear(shell.energy, shell.load, shell.reduction, shell.springs)
+    model = model_of(scene, **options)
+    mesh, solution = model.structure.parameters, model.solve()
 
     def read() -> dict[str, Any]:
         surface = SURFACES[problem]
@@ -54,9 +51,9 @@ def _bare(scene: ks.Scene, options: dict[str, Any], problem: str) -> Read:
         stride = 18 if options["element"] == "argyris" else 3
         w = sign * float(solution.x[stride * vertex + axis])
         return {
-            "unknowns": int(shell.reduction.basis.shape[1]),
+            "unknowns": model.unknowns,
             "w": w,
-            "compliance": float(shell.load @ solution.x),
+            "compliance": float(model.problem.load @ solution.x),
         }
 
     return read

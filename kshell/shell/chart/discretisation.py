@@ -65,10 +65,15 @@ class ArgyrisDiscretisation:
         return ArgyrisConditions(self.surface)
 
     def recovery(
-        self, energy: ChartKoiter, x: Floats, finite: bool = False, memory: object = None
+        self,
+        energy: ChartKoiter,
+        x: Floats,
+        finite: bool = False,
+        memory: object = None,
+        initial: Floats | None = None,
     ) -> ChartRecovery:
         """Values of a solution inside triangles."""
-        return ChartRecovery(energy, x, finite)
+        return ChartRecovery(energy, x, finite, initial)
 
     def interior_points(self, triangles: Ints) -> tuple[Floats, Floats]:
         """Quadrature points (n, q, 3) of triangles in space and weights (n, q) with the area element."""

@@ -42,17 +42,13 @@ class ChartKoiter(StrainEnergy):
     ----------
     surface : ChartSurface
     section : Section
-    initial : (triangle, 6 q), optional
-        Strains without stress.
     block : int
         Triangles worked on at a time.
     """
 
     rest = None  # a smooth surface needs no directors
 
-    def __init__(
-        self, surface: ChartSurface, section: Section, initial: Floats | None = None, block: int = 512
-    ) -> None:
+    def __init__(self, surface: ChartSurface, section: Section, block: int = 512) -> None:
         self.surface = surface
         self.section = section
         self.unknowns = surface.unknowns
@@ -62,7 +58,7 @@ class ChartKoiter(StrainEnergy):
         self.stiffness = np.empty((count, q, 6, 6))  # K
         for triangles in self.blocks:
             self.stiffness[triangles] = self._point_stiffness(triangles)
-        self.initial = np.zeros((count, 6 * q)) if initial is None else initial
+        self.strains = 6 * q
 
     def _point_stiffness(self, triangles: slice) -> Floats:
         surface = self.surface

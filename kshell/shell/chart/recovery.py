@@ -32,10 +32,15 @@ class ChartRecovery:
     x : (unknowns,)
     finite : bool
         Whether strains and rotations are finite, not those to first order.
+    initial : (triangle, 6 q), optional
+        Strains without stress.
     """
 
-    def __init__(self, energy: ChartKoiter, x: Floats, finite: bool = False) -> None:
+    def __init__(
+        self, energy: ChartKoiter, x: Floats, finite: bool = False, initial: Floats | None = None
+    ) -> None:
         self.energy, self.surface, self.x, self.finite = energy, energy.surface, x, finite
+        self.initial = initial
 
     def _jets(self, points: Floats, triangles: Ints) -> Floats:
         """Value and derivatives by the reference coordinates of the displacement: (3, 3, triangle, point)."""
@@ -44,7 +49,7 @@ class ChartRecovery:
 
     def resultants(self, points: Floats, triangles: Ints) -> Resultants:
         """N, M and strains at reference points (point, 2) of triangles."""
-        return chart_resultants(self.energy, self.x, points, triangles, self.finite)
+        return chart_resultants(self.energy, self.x, points, triangles, self.finite, self.initial)
 
     def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
         """Displacement and rotation vector n x dn + 1/2 n (n . curl u), each (triangle, point, 3)."""
@@ -60,6 +65,8 @@ class ChartRecovery:
     def energies(self) -> tuple[Floats, Floats]:
         """Membrane and bending energy of each triangle, 1/2 N . E and 1/2 M . kappa."""
         strain = self.energy.strain(self.x) if self.finite else self.energy.linear_strain(self.x)
+        if self.initial is not None:
+            strain = strain - self.initial
         work = (0.5 * strain * self.energy.stress(strain)).reshape(len(strain), -1, 6)
         return work[..., :3].sum(axis=(1, 2)), work[..., 3:].sum(axis=(1, 2))
 

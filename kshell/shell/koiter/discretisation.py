@@ -90,9 +90,16 @@ class KoiterDiscretisation:
         ref = self.surface.reference
         return surface_points(self.surface, triangles), self.surface.area_elements[triangles] * ref.weights
 
-    def recovery(self, energy: Koiter, x: Floats, finite: bool = False, memory: Any = None) -> KoiterRecovery:
+    def recovery(
+        self,
+        energy: Koiter,
+        x: Floats,
+        finite: bool = False,
+        memory: Any = None,
+        initial: Floats | None = None,
+    ) -> KoiterRecovery:
         """Values of a solution inside triangles."""
-        return KoiterRecovery(energy, x, finite, memory)
+        return KoiterRecovery(energy, x, finite, memory, initial)
 
     @property
     def true_shape(self) -> bool:
@@ -246,11 +253,21 @@ class KoiterRecovery:
         Whether strains and rotations are finite, not those to first order.
     memory : Directors, optional
         Of a finite state.
+    initial : (triangle, 2 r), optional
+        Strains without stress.
     """
 
-    def __init__(self, koiter: Koiter, x: Floats, finite: bool = False, memory: Any = None) -> None:
+    def __init__(
+        self,
+        koiter: Koiter,
+        x: Floats,
+        finite: bool = False,
+        memory: Any = None,
+        initial: Floats | None = None,
+    ) -> None:
         self.koiter, self.x, self.finite = koiter, x, finite
-        self.strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
+        strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
+        self.strain = strain if initial is None else strain - initial
 
     def resultants(self, points: Floats, triangles: Ints) -> Resultants:
         """N, M and strains at reference points (point, 2) of triangles."""

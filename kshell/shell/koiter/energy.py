@@ -92,15 +92,11 @@ class Koiter(StrainEnergy):
     ----------
     surface : Surface
     section : Section
-    initial : (triangle, 2 r), optional
-        Strains s at which the triangles are free of stress (temperature, initial curvature).
     block : int
         Triangles worked on at a time; bounds the memory of intermediate arrays.
     """
 
-    def __init__(
-        self, surface: Surface, section: Section, initial: Floats | None = None, block: int = 2048
-    ) -> None:
+    def __init__(self, surface: Surface, section: Section, block: int = 2048) -> None:
         self.surface = surface
         self.section = section
         self.tables = strain_tables(surface.order)
@@ -108,11 +104,10 @@ class Koiter(StrainEnergy):
         self.blocks = in_blocks(count, block)
         self.unknowns = surface.unknowns
         self.triangle_unknowns = surface.triangle_unknowns
-        strains = surface.reference.strains
-        self.stiffness = np.empty((count, 2 * strains, 2 * strains))  # K
+        self.strains = 2 * surface.reference.strains
+        self.stiffness = np.empty((count, self.strains, self.strains))  # K
         for triangles in self.blocks:
             self.stiffness[triangles] = triangle_stiffness(surface, section, triangles)
-        self.initial = np.zeros((count, 2 * strains)) if initial is None else initial
         self.rest = rest_directors(surface)
         self._both = np.concatenate([surface.reference.first, surface.reference.second])
         self._rest_jets = surface.jets(surface.nodes, self._both)

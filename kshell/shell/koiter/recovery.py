@@ -107,7 +107,12 @@ def resultants(
 
 
 def chart_resultants(
-    koiter: ChartKoiter, x: Floats, points: ArrayLike, triangles: NDArray | None = None, finite: bool = False
+    koiter: ChartKoiter,
+    x: Floats,
+    points: ArrayLike,
+    triangles: NDArray | None = None,
+    finite: bool = False,
+    initial: Floats | None = None,
 ) -> Resultants:
     """N, M and strains of a state x of the Argyris discretisation, to first order in x or of finite strains.
 
@@ -115,7 +120,9 @@ def chart_resultants(
     ----------
     x : (unknowns,)
     points, triangles :
-        As in `resultants`. Initial strains are those of the cubic nearest to the ones of the quadrature points.
+        As in `resultants`.
+    initial : (triangle, 6 q), optional
+        Strains without stress at the quadrature points; in between they are those of the nearest cubic.
     """
     surface, section = koiter.surface, koiter.section
     chosen = np.arange(len(surface.scalar)) if triangles is None else np.asarray(triangles)
@@ -134,9 +141,10 @@ def chart_resultants(
         squares = (dot(u[0], u[0]), dot(u[1], u[1]), dot(u[0], u[1]))
         membrane = [e + 0.5 * square for e, square in zip(membrane, squares, strict=True)]
         bending = list(-curvature_change(first, second, u[:2], u[2:]).change)
-    between = lagrange(3, points) @ np.linalg.pinv(lagrange(3, surface.points))
-    initial = np.einsum("pq,tqs->stp", between, koiter.initial[chosen].reshape(len(chosen), -1, 6))
-    covariant = np.stack(membrane + bending) - initial
+    covariant = np.stack(membrane + bending)
+    if initial is not None:
+        between = lagrange(3, points) @ np.linalg.pinv(lagrange(3, surface.points))
+        covariant -= np.einsum("pq,tqs->stp", between, initial[chosen].reshape(len(chosen), -1, 6))
 
     position = np.moveaxis(position, 0, 2)
     _, b, d, angle = section_at(section, chosen, lambda: position)

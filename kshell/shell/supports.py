@@ -1,7 +1,8 @@
-"""Supports of a scene on a shell: from names to conditions on the motion, and springs."""
+"""Supports of a shell: from places to conditions on the motion, and springs."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,7 +13,10 @@ from scipy.sparse.csgraph import connected_components
 
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.select import Selection, select
+from kshell.mesh.select import Selection
+from kshell.scene.handlers import Handlers
+from kshell.scene.structure import Placed
+from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Support, Symmetry
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -22,10 +26,12 @@ CORNER = np.radians(25.0)
 # how far a planar line may leave its plane, against its size
 PLANAR = 1e-3
 
+HANDLERS = Handlers("is nothing that shells have: leave it out")
+
 
 @dataclass
 class HeldGroup:
-    """What one support of the scene does.
+    """What one support does.
 
     Attributes
     ----------
@@ -40,8 +46,8 @@ class HeldGroup:
 
 
 @dataclass
-class SceneSupports:
-    """All supports of a scene.
+class ShellSupports:
+    """All supports of a shell.
 
     Attributes
     ----------
@@ -63,31 +69,31 @@ class SceneSupports:
         return None if not found else sum(found[1:], found[0])
 
 
-def hinge_edges(supports: list[Any], mesh: Mesh) -> Ints:
+def hinge_edges(supports: Iterable[Placed[Support]], mesh: Mesh) -> Ints:
     """Edges of all hinge lines.
 
     Raises
     ------
     InputError
-        If a hinge is not on curves, or at the boundary, where there is nothing to release.
+        If a hinge is at the boundary, where there is nothing to release.
     """
     edges: list[Ints] = [np.zeros(0, dtype=np.int64)]
-    for support in supports:
-        if support.kind == "hinge":
-            chosen = select(mesh, support.on, dimensions=(1,), what=str(support))
-            outside = chosen.members[mesh.edge_counts[chosen.members] == 1]
+    for placed in supports:
+        if isinstance(placed.item, Hinge):
+            chosen = placed.members(mesh)
+            outside = chosen[mesh.edge_counts[chosen] == 1]
             if len(outside):
                 x, y, z = mesh.points[mesh.edges[outside[0]]].mean(axis=0)
                 raise InputError(
-                    f"{support}: the edge at ({x:.6g}, {y:.6g}, {z:.6g}) belongs to one triangle only: a hinge joins "
-                    "sheets; at the boundary the rotation is free already, with simply_supported too"
+                    f"{placed.item}: the edge at ({x:.6g}, {y:.6g}, {z:.6g}) belongs to one triangle only: a hinge "
+                    "joins sheets; at the boundary the rotation is free already, with simply_supported too"
                 )
-            edges.append(chosen.members)
+            edges.append(chosen)
     return np.unique(np.concatenate(edges))
 
 
-def apply_supports(supports: list[Any], mesh: Mesh, discretisation: Any) -> SceneSupports:
-    """Translate the supports of a scene.
+def apply_supports(supports: Iterable[Placed[Support]], mesh: Mesh, discretisation: Any) -> ShellSupports:
+    """Translate the supports of a structure.
 
     Parameters
     ----------
@@ -97,46 +103,61 @@ def apply_supports(supports: list[Any], mesh: Mesh, discretisation: Any) -> Scen
     Raises
     ------
     InputError
-        For groups that do not exist or do not fit the kind of support.
+        For supports that do not fit.
     """
-    out = SceneSupports(discretisation.conditions())
-    for support in supports:
-        several = isinstance(support.on, tuple) and isinstance(support.on[0], str)
-        for on in support.on if several else (support.on,):
-            _add(out, support, on, mesh, discretisation)
-    return out
+    builder = _Builder(mesh, discretisation, ShellSupports(discretisation.conditions()))
+    for placed in supports:
+        HANDLERS.handle(builder, placed, builder.out.warnings)
+    return builder.out
 
 
-def _add(out: SceneSupports, support: Any, on: Any, mesh: Mesh, discretisation: Any) -> None:
-    dimensions = (1,) if support.kind in ("symmetry", "hinge") else (0, 1, 2)
-    chosen = select(mesh, on, dimensions=dimensions, what=f"support {support.kind}")
-    if chosen.warning:
-        out.warnings.append(chosen.warning)
-    if support.kind in ("free", "hinge"):
-        return
-    what = f"support {support.kind} on '{chosen.label}'"
-    if support.kind == "elastic":
+@dataclass
+class _Builder:
+    mesh: Mesh
+    discretisation: Any
+    out: ShellSupports
+
+    @HANDLERS.of(Free, Hinge)
+    def _nothing_held(self, support: Any, placed: Placed[Any]) -> None:
+        """A hinge releases, which the discretisation knows already."""
+
+    @HANDLERS.of(Elastic)
+    def _springs(self, support: Any, placed: Placed[Any]) -> None:
+        chosen, what = self._where(support, placed)
         for letter in support.freedoms:
-            spring = discretisation.spring(chosen, letter, support.stiffness_at, what)
-            out.groups.append(HeldGroup(chosen.label, spring=spring))
-        return
-    own = discretisation.conditions()
-    pieces = _planar_pieces(mesh, chosen) if support.kind == "symmetry" else []
-    for conditions in (out.conditions, own):
-        if support.kind == "symmetry":
+            spring = self.discretisation.spring(chosen, letter, support.stiffness_at, what)
+            self.out.groups.append(HeldGroup(chosen.label, spring=spring))
+
+    @HANDLERS.of(Symmetry)
+    def _symmetry(self, support: Any, placed: Placed[Any]) -> None:
+        chosen, what = self._where(support, placed)
+        pieces = _planar_pieces(self.mesh, chosen)
+        own = self.discretisation.conditions()
+        for conditions in (self.out.conditions, own):
             for edges in pieces:
                 try:
                     conditions.symmetry(edges)
                 except InputError as error:
                     raise InputError(f"{what}: {error}") from None
-            continue
+        self.out.groups.append(HeldGroup(chosen.label, conditions=own))
+
+    @HANDLERS.of(Clamped, SimplySupported, Fixed)
+    def _held(self, support: Any, placed: Placed[Any]) -> None:
+        chosen, what = self._where(support, placed)
+        own = self.discretisation.conditions()
         letters = support.freedoms.replace("r", "")
-        if letters:
-            axes = getattr(support, "axes", None)
-            conditions.translations(chosen, letters, support.translation_at, axes)
-        if "r" in support.freedoms:
-            conditions.rotations(chosen, what)
-    out.groups.append(HeldGroup(chosen.label, conditions=own))
+        for conditions in (self.out.conditions, own):
+            if letters:
+                axes = getattr(support, "axes", None)
+                conditions.translations(chosen, letters, support.translation_at, axes)
+            if "r" in support.freedoms:
+                conditions.rotations(chosen, what)
+        self.out.groups.append(HeldGroup(chosen.label, conditions=own))
+
+    @staticmethod
+    def _where(support: Any, placed: Placed[Any]) -> tuple[Selection, str]:
+        assert placed.place is not None  # supports are somewhere
+        return placed.place, f"support {support.kind} on '{placed.place.label}'"
 
 
 def _planar_pieces(mesh: Mesh, chosen: Selection) -> list[Ints]:

@@ -19,7 +19,7 @@ from scipy.sparse.linalg import cg
 from kshell.equilibrium.linear import LinearSolution
 from kshell.equilibrium.reduction import Reduction
 from kshell.result.deferred import Deferred
-from kshell.shell.scene_supports import SceneSupports
+from kshell.shell.supports import ShellSupports
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ ORTHONORMAL = 1e-9
 
 def find_reactions(
     discretisation: Any,
-    supports: SceneSupports,
+    supports: ShellSupports,
     solution: LinearSolution,
     loads: list[Floats],
     reduction: Reduction,
@@ -85,7 +85,7 @@ def _entry(groups: Callable[[], dict[str, dict[str, Floats]]], label: str) -> di
     return groups()[label]
 
 
-def _shared(supports: SceneSupports, forces: Floats) -> list[tuple[str, Floats]]:
+def _shared(supports: ShellSupports, forces: Floats) -> list[tuple[str, Floats]]:
     held = [group for group in supports.groups if group.conditions is not None]
     if not held:
         return []

@@ -1,12 +1,14 @@
-"""Loads of a scene on a shell: from names and values to forces on the unknowns and initial strains."""
+"""Loads of a shell: from places and values to forces on the unknowns and initial strains."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.problem import Follower
@@ -14,8 +16,22 @@ from kshell.errors import InputError
 from kshell.material.section import Section
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.mesh.orient import WALKED_FORWARD
-from kshell.mesh.select import Selection, select
 from kshell.mesh.words import place
+from kshell.scene.handlers import Handlers
+from kshell.scene.loads import (
+    EdgeMoment,
+    Gravity,
+    InitialCurvature,
+    InitialStrain,
+    LineForce,
+    Load,
+    PointForce,
+    PointMoment,
+    Pressure,
+    Temperature,
+    Traction,
+)
+from kshell.scene.structure import Placed
 from kshell.shell.initial import StressFree, initial_strain, temperature
 from kshell.shell.koiter.discretisation import USE_KOITER
 
@@ -23,31 +39,58 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 
+HANDLERS = Handlers("is nothing that shells have: leave it out")
+
+
 @dataclass
-class SceneLoads:
-    """All loads of a scene.
+class ShellLoads:
+    """All loads of a shell.
 
     Attributes
     ----------
     forces : list of (unknowns,) arrays
-        One per load; of a load that follows the surface that at rest.
+        One or more per load; of a load that follows the surface that at rest.
+    numbers : list of int
+        Of the load in the scene that each of them belongs to.
     followers : dict of int to callable
-        By the number in `forces`: the force on a moved surface, and its derivative.
-    initial : (triangle, r) array or None
-        Strains without stress.
+        By the place in `forces`: the force on a moved surface, and its derivative.
+    strains : list of (int, (triangle, r) array)
+        Strains without stress, each with the number of its load.
     warnings : list of str
     """
 
     forces: list[Floats] = field(default_factory=list)
+    numbers: list[int] = field(default_factory=list)
     followers: dict[int, Follower] = field(default_factory=dict)
-    initial: Floats | None = None
+    strains: list[tuple[int, Floats]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+
+    @cached_property
+    def initial(self) -> Floats | None:
+        """(triangle, r) sum of the strains without stress, None where there are none."""
+        parts = [strain for _, strain in self.strains]
+        return sum(parts[1:], parts[0]) if parts else None
+
+    def times(self, factors: Sequence[float]) -> ShellLoads:
+        """The same loads times factors, (load,)."""
+        return ShellLoads(
+            [factors[number] * force for force, number in zip(self.forces, self.numbers, strict=True)],
+            self.numbers,
+            {k: partial(_times, follow, factors[self.numbers[k]]) for k, follow in self.followers.items()},
+            [(number, factors[number] * strain) for number, strain in self.strains],
+            self.warnings,
+        )
+
+
+def _times(follow: Follower, factor: float, x: Floats) -> tuple[Floats, sp.csr_matrix]:
+    force, stiffness = follow(x)
+    return factor * force, factor * stiffness
 
 
 def apply_loads(
-    loads: list[Any], mesh: Mesh, discretisation: Any, energy: Any, section: Section
-) -> SceneLoads:
-    """Translate the loads of a scene.
+    loads: Iterable[Placed[Load]], mesh: Mesh, discretisation: Any, energy: Any, section: Section
+) -> ShellLoads:
+    """Translate the loads of a structure.
 
     Parameters
     ----------
@@ -61,11 +104,13 @@ def apply_loads(
     Raises
     ------
     InputError
-        For groups that do not exist or do not fit, and for loads the discretisation does not have.
+        For loads that do not fit, and those the discretisation does not have.
     """
     builder = _Builder(mesh, discretisation, energy, section)
-    for load in loads:
-        builder.add(load)
+    for number, placed in enumerate(loads):
+        builder.number, before = number, len(builder.out.forces)
+        HANDLERS.handle(builder, placed, builder.out.warnings)
+        builder.out.numbers += [number] * (len(builder.out.forces) - before)
     return builder.out
 
 
@@ -73,34 +118,12 @@ class _Builder:
     def __init__(self, mesh: Mesh, discretisation: Any, energy: Any, section: Section) -> None:
         self.mesh, self.discretisation, self.energy, self.section = mesh, discretisation, energy, section
         self.surface, self.kernel = discretisation.surface, discretisation.loads
-        self.out = SceneLoads()
-        self.table: dict[str, Callable[[Any], None]] = {
-            "pressure": self._pressure,
-            "traction": self._traction,
-            "gravity": self._gravity,
-            "line_force": self._line_force,
-            "edge_moment": self._edge_moment,
-            "point_force": self._point,
-            "point_moment": self._point,
-            "temperature": self._temperature,
-            "initial_curvature": self._initial_curvature,
-            "initial_strain": self._initial_strain,
-        }
+        self.number = 0
+        self.out = ShellLoads()
 
-    def add(self, load: Any) -> None:
-        self.table[load.kind](load)
-
-    def _select(self, load: Any, dimension: int) -> Selection:
-        chosen = select(self.mesh, load.on, dimensions=(dimension,), what=f"load {load.kind}")
-        if chosen.warning:
-            self.out.warnings.append(chosen.warning)
-        return chosen
-
-    def _triangles(self, load: Any) -> Ints:
-        return np.arange(len(self.mesh.triangles)) if load.on is None else self._select(load, 2).members
-
-    def _pressure(self, load: Any) -> None:
-        triangles = self._triangles(load)
+    @HANDLERS.of(Pressure)
+    def _pressure(self, load: Any, placed: Placed[Any]) -> None:
+        triangles = placed.members(self.mesh)
         if load.follower:
             self._require_koiter(load)
             number, surface = len(self.out.forces), self.surface
@@ -127,11 +150,13 @@ class _Builder:
                 "changes its direction there; use traction, a vector in space, or one pressure for each sheet"
             )
 
-    def _traction(self, load: Any) -> None:
-        self.out.forces.append(self.kernel.traction(self.surface, load.at, self._triangles(load)))
+    @HANDLERS.of(Traction)
+    def _traction(self, load: Any, placed: Placed[Any]) -> None:
+        self.out.forces.append(self.kernel.traction(self.surface, load.at, placed.members(self.mesh)))
 
-    def _gravity(self, load: Any) -> None:
-        triangles = self._triangles(load)
+    @HANDLERS.of(Gravity)
+    def _gravity(self, load: Any, placed: Placed[Any]) -> None:
+        triangles = placed.members(self.mesh)
         points, _ = self.discretisation.interior_points(triangles)
         mass = self.section.mass(triangles, points)
         if not mass.min(initial=np.inf) > 0.0:
@@ -140,12 +165,14 @@ class _Builder:
         # the kernel asks for values at the same points, in the same order
         self.out.forces.append(self.kernel.traction(self.surface, lambda _: weight, triangles))
 
-    def _line_force(self, load: Any) -> None:
-        edges = self._select(load, 1).members
+    @HANDLERS.of(LineForce)
+    def _line_force(self, load: Any, placed: Placed[Any]) -> None:
+        edges = placed.members(self.mesh)
         self.out.forces.append(self.kernel.line_force(self.surface, load.at, edges))
 
-    def _edge_moment(self, load: Any) -> None:
-        edges = self._select(load, 1).members
+    @HANDLERS.of(EdgeMoment)
+    def _edge_moment(self, load: Any, placed: Placed[Any]) -> None:
+        edges = placed.members(self.mesh)
         inside = edges[self.mesh.edge_counts[edges] > 1]
         if len(inside):
             where = self.mesh.points[self.mesh.edges[inside[0]]].mean(axis=0)
@@ -155,28 +182,32 @@ class _Builder:
             )
         self.out.forces.append(self.kernel.edge_moment(self.surface, load.at, edges))
 
-    def _point(self, load: Any) -> None:
+    @HANDLERS.of(PointForce, PointMoment)
+    def _point(self, load: Any, placed: Placed[Any]) -> None:
         apply = getattr(self.kernel, load.kind)
-        for vertex in self._select(load, 0).members:
+        for vertex in placed.members(self.mesh):
             value = load.at(self.mesh.points[[vertex]])[0]
             self.out.forces.append(apply(self.surface, int(vertex), value))
 
-    def _temperature(self, load: Any) -> None:
+    @HANDLERS.of(Temperature)
+    def _temperature(self, load: Any, placed: Placed[Any]) -> None:
         def gradient(points: Floats) -> Floats:
             return -load.curvature_at(points)[..., 0]  # expansion times gradient
 
-        self._initial(load, temperature(load.strain_at, gradient))
+        self._initial(placed, temperature(load.strain_at, gradient))
 
-    def _initial_curvature(self, load: Any) -> None:
+    @HANDLERS.of(InitialCurvature)
+    def _initial_curvature(self, load: Any, placed: Placed[Any]) -> None:
         # the scene gives w'', the change of curvature of the shell is minus that
-        self._initial(load, StressFree(curvature=lambda points: -load.curvature_at(points)))
+        self._initial(placed, StressFree(curvature=lambda points: -load.curvature_at(points)))
 
-    def _initial_strain(self, load: Any) -> None:
-        self._initial(load, StressFree(strain=load.at))
+    @HANDLERS.of(InitialStrain)
+    def _initial_strain(self, load: Any, placed: Placed[Any]) -> None:
+        self._initial(placed, StressFree(strain=load.at))
 
-    def _initial(self, load: Any, state: StressFree) -> None:
-        strain = initial_strain(self.energy, state, self._triangles(load))
-        self.out.initial = strain if self.out.initial is None else self.out.initial + strain
+    def _initial(self, placed: Placed[Any], state: StressFree) -> None:
+        strain = initial_strain(self.energy, state, placed.members(self.mesh))
+        self.out.strains.append((self.number, strain))
 
     def _require_koiter(self, load: Any) -> None:
         if self.discretisation.name != "koiter":

@@ -1,0 +1,49 @@
+"""From a resolved scene to the model that is chosen for it: the one place that knows all models."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from kshell.analysis.model_choice import ModelChoice, choose_model
+from kshell.equilibrium.model import Model
+from kshell.scene.options import SolveOptions
+from kshell.scene.scene import Scene
+from kshell.scene.structure import Structure, resolve
+
+
+def build_model(structure: Structure, options: SolveOptions) -> Model:
+    """The model that options ask for, with the imperfection of the structure.
+
+    Raises
+    ------
+    InputError
+        If options contradict each other or the structure, or the structure does not fit or is not held.
+    SolveError
+        If there is no such buckling mode for the imperfection.
+    """
+    model = model_as(structure, choose_model(structure, options))
+    if structure.imperfection is None:
+        return model
+    from kshell.shell.imperfection import imperfect
+
+    return imperfect(model)
+
+
+def model_as(structure: Structure, choice: ModelChoice) -> Model:
+    """The model of a choice, of the shape as drawn; solves nothing."""
+    if choice.kind == "plate":
+        from kshell.plate.model import PlateModel
+
+        return PlateModel(structure, choice.element, choice.reasons)
+    if choice.element == "argyris":
+        from kshell.shell.chart.model import ChartModel
+
+        return ChartModel(structure, choice.reasons)
+    from kshell.shell.koiter.model import KoiterModel
+
+    return KoiterModel(structure, choice.order, choice.reasons)
+
+
+def model_of(scene: Scene, **options: Any) -> Model:
+    """The model of a scene, with some of its options changed, for those who want matrices rather than results."""
+    return build_model(resolve(scene, scene.read_mesh()), scene.solve.updated(**options))

@@ -1,0 +1,77 @@
+"""What an analysis is given besides its model, and what every result says about how it came about."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from kshell.analysis.clock import Clock, Stage, peak_memory_mb
+from kshell.analysis.models import build_model
+from kshell.equilibrium.model import Model
+from kshell.result.result import Result
+from kshell.scene.options import SolveOptions
+from kshell.scene.structure import Structure
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """How an analysis is to be done.
+
+    Attributes
+    ----------
+    structure : Structure
+        What is analysed, from which other models can be made.
+    options : SolveOptions
+    clock : Clock
+        Of the stages assemble, solve, recover.
+    progress : function, optional
+        Called with the name of each stage, and with words in between.
+    folder : Path, optional
+        Where each converged step of a path is written.
+    resume : bool
+        Go on after the last step in the folder.
+    """
+
+    structure: Structure
+    options: SolveOptions
+    clock: Clock
+    progress: Stage | None = None
+    folder: Path | None = None
+    resume: bool = False
+
+    def tell(self, words: str) -> None:
+        """Words about the progress."""
+        if self.progress is not None:
+            self.progress(words)
+
+    def model(self) -> Model:
+        """The model that the options ask for, ready to be solved."""
+        with self.clock.stage("assemble"):
+            model = build_model(self.structure, self.options)
+            model.prepare()
+        return model
+
+    def with_options(self, **changes: Any) -> Run:
+        """The same run with other options and a clock of its own."""
+        return replace(self, options=self.options.updated(**changes), clock=Clock(self.progress))
+
+
+def described(
+    result: Result, model: Model, run: Run, reasons: list[str], solver: dict[str, Any], large: bool
+) -> Result:
+    """The result with what every result says: analysis, model with its reasons, solver, seconds and memory."""
+    result.analysis = run.options.analysis
+    result.model = {
+        "kind": model.kind,
+        "large_deflection": large,
+        "element": model.element,
+        "order": model.order,
+        "reasons": [
+            *model.reasons,
+            *reasons,
+            *(f"mesh: {note}" for note in model.structure.parameters.notes),
+        ],
+    }
+    result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": peak_memory_mb()}
+    return result

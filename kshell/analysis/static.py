@@ -1,0 +1,153 @@
+"""Deflection under the loads as they are, small or large as asked for or as it matters."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.analysis.large import Indicator, indicate
+from kshell.analysis.path import Trace, answer_trace, described_trace, grow_load
+from kshell.analysis.run import Run, described
+from kshell.equilibrium.model import FiniteModel, Model, Solved
+from kshell.errors import SolveError
+from kshell.result.result import Result
+from kshell.scene.options import TOLERANCE
+from kshell.scene.supports import SimplySupported
+
+# deflection over thickness up to which no plate stretches by as much as matters
+SMALL = 0.07
+# larger plates are not taken for shells without being asked
+MOST_TRIANGLES = 20_000
+# deflection over the size of the plate from which the scene is a matter of scale, not of large deflections
+ABSURD = 10.0
+
+
+def analyse(model: Model, run: Run) -> Result:
+    """The static answer.
+
+    Raises
+    ------
+    InputError
+        If the structure can move freely.
+    SolveError
+        If no answer was reached; of large deflections its `state` is the result of the last good step.
+    Interrupted
+        If the user stopped a growing load; its `state` as above.
+    """
+    options = run.options
+    if not isinstance(model, FiniteModel):
+        return _linear_only(model, run)
+    solved: Solved | None = None
+    indicator: Indicator | None = None
+    trace: Trace | None = None
+    with run.clock.stage("solve"):
+        if not options.large_asked:
+            solved = model.solve(options.solver)
+            if options.large_deflection == "auto":
+                indicator = indicate(model, solved.own, options.large_tolerance)
+        if solved is None or (indicator is not None and indicator.matters):
+            trace = grow_load(model, run)
+    with run.clock.stage("recover"):
+        if trace is not None:
+            result = answer_trace(model, trace)
+            reasons = _why_large(model, result, solved, indicator)
+        else:
+            assert solved is not None  # without it there is a trace
+            result = model.recover(solved)
+            reasons = [_ASKED if indicator is None else indicator.words()]
+    if trace is None:
+        if indicator is not None:
+            result.error["budget"]["large_deflection"] = indicator.change
+        return described(result, model, run, reasons, _solver(solved), large=False)
+    if indicator is not None and isinstance(trace.failure, SolveError):
+        trace.failure = SolveError(
+            f"{trace.failure}. {indicator.words()}; large_deflection = false answers with the linear solution"
+        )
+    return described_trace(model, run, result, trace, reasons)
+
+
+_LINEAR = "linear: only small deflections are computed"
+_ASKED = f"{_LINEAR}, as asked for"
+
+
+def _solver(solved: Solved | None) -> dict[str, Any]:
+    assert solved is not None
+    return {"name": solved.name, "why": solved.why, "iterations": solved.iterations}
+
+
+def _why_large(
+    model: FiniteModel, result: Result, solved: Solved | None, indicator: Indicator | None
+) -> list[str]:
+    """Why large deflections, with the displacement of each probe both ways where it was decided here."""
+    if indicator is None or solved is None:
+        return ["large deflections, as asked for"]
+    small = model.linear_probes(solved)
+    both = [
+        f'probe "{name}": u = {_vector(values["u"])}, linear {_vector(small[name]["u"])}'
+        for name, values in result.probes.items()
+    ]
+    return [f"{indicator.words()}; large_deflection = false keeps the linear solution", *both]
+
+
+def _vector(u: NDArray[np.float64]) -> str:
+    largest = float(np.abs(u).max())
+    return "(" + ", ".join(f"{0.0 if abs(c) < 1e-9 * largest else c:.5g}" for c in u) + ")"
+
+
+def _linear_only(model: Model, run: Run) -> Result:
+    """The answer of a model without finite deformation, or of one that has it, where the deflection is not small.
+
+    A clamped circular plate with an immovable edge deflects less by about 0.47 (w / t)^2 of w, a simply supported one
+    by 1.85 (w / t)^2 (Timoshenko & Woinowsky-Krieger, chapter 13): below SMALL that is less than 1 percent. Plates
+    free to move in their plane stretch less, which the shell tells.
+
+    A simple support of a plate says nothing of motion in its plane, that of a shell forbids it: as this decides how
+    much stiffer the plate gets, it is the user's to say, and the plate is warned of instead.
+    """
+    options = run.options
+    with run.clock.stage("solve"):
+        solved = model.solve(options.solver)
+    with run.clock.stage("recover"):
+        plate = model.recover(solved)
+    described(plate, model, run, [_LINEAR], _solver(solved), large=False)
+    thickness = float(plate.cell_fields["thickness"].max())
+    ratio = abs(plate.extremes["deflection"]["value"]) / thickness
+    words = f"the largest deflection is {ratio:.2g} times the thickness"
+    small = SMALL * math.sqrt(options.large_tolerance / TOLERANCE)  # the change grows with its square
+    if ratio <= small or options.large_deflection is False:
+        plate.model["reasons"].append(f"linear: {words}")
+        return plate
+    doubt = f"{words}: where the supports hinder it from moving in its plane it stretches and gets stiffer"
+    asked = options.model == model.kind or options.element != "auto" or options.solver == "multigrid"
+    mesh = run.structure.space
+    ambiguous = any(isinstance(support.item, SimplySupported) for support in run.structure.supports)
+    if ambiguous:
+        doubt += f" (a disk so supported all around would deflect by {_held_in_plane(ratio):.0%} of that)"
+    absurd = ratio * thickness > ABSURD * mesh.size
+    if asked or ambiguous or absurd or len(mesh.triangles) > MOST_TRIANGLES:
+        plate.model["reasons"].append(f"linear: {doubt}")
+        plate.warnings.append(
+            f'{doubt}; large_deflection = true computes that (with model and element "auto"), large_deflection = false '
+            "keeps the linear plate without this warning"
+        )
+        return plate
+    again = run.with_options(model="shell")
+    shell = analyse(again.model(), again)
+    if shell.model["large_deflection"]:
+        shell.model["reasons"][0] = f"kind shell: {words}"
+        return shell
+    plate.model["reasons"] += [f"linear: {words}", *(r for r in shell.model["reasons"] if "linear" in r)]
+    return plate
+
+
+def _held_in_plane(ratio: float) -> float:
+    """Share of the linear deflection of a simply supported disk whose edge cannot move in its plane.
+
+    The real root s of s + 1.85 ratio^2 s^3 = 1, after Timoshenko & Woinowsky-Krieger, chapter 13.
+    """
+    k = 1.85 * ratio**2
+    half = math.sqrt(0.25 / k**2 + 1 / (27 * k**3)) + 0.5 / k
+    return math.cbrt(half) - 1 / (3 * k * math.cbrt(half))

@@ -1,0 +1,213 @@
+"""What analyses need of a plate or shell: the one frame that they and the discretisations meet in.
+
+A model is built from a resolved scene and then only read: a structure with its supports and loads, on one mesh with one
+element. An analysis takes a model and gives a result; it knows neither plates nor shells, and asks `isinstance(model,
+FiniteModel)` where it needs finite deformation.
+
+Symbols
+-------
+q       free unknowns, what the supports leave; matrices and load vectors belong to them
+x       all unknowns, x = T q + x0 with the prescribed motion x0
+K       stiffness at rest with that of elastic supports
+f_k     load k of the scene, numbered from 0 as there
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, Self
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.equilibrium.problem import Problem, State
+from kshell.errors import InputError
+from kshell.result.result import Result
+from kshell.scene.structure import Structure
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A linear solution of a model.
+
+    Attributes
+    ----------
+    x : (unknowns,)
+        All unknowns.
+    name, why : str
+        What solved it, and why that was taken.
+    iterations : int
+    own : object
+        What the model keeps of it for `recover`; of a `FiniteModel` the `LinearSolution`.
+    """
+
+    x: Floats
+    name: str
+    why: str
+    iterations: int
+    own: Any
+
+
+class Model(ABC):
+    """A plate or shell with its supports and loads.
+
+    Attributes
+    ----------
+    kind : "plate" or "shell"
+    element : str
+    order : int
+        Polynomial degree.
+    reasons : list of str
+        Why this model, in words.
+    structure : Structure
+        What it was built from.
+    """
+
+    kind: ClassVar[Literal["plate", "shell"]]
+    element: str
+    order: int
+    reasons: list[str]
+    structure: Structure
+
+    # what it is
+
+    @property
+    @abstractmethod
+    def unknowns(self) -> int:
+        """Number of free unknowns q."""
+
+    @abstractmethod
+    def warnings(self) -> list[str]:
+        """What the user should know about the model."""
+
+    # matrices and vectors of the free unknowns
+
+    @abstractmethod
+    def stiffness(self) -> sp.csr_matrix:
+        """K (q, q)."""
+
+    @abstractmethod
+    def product(self) -> Callable[[Floats], Floats]:
+        """q -> K q through strains, which rounds less than the entries of K."""
+
+    @abstractmethod
+    def load_vectors(self) -> Floats:
+        """(load, q) f_k of every load; initial strains by the forces that hold them back."""
+
+    @abstractmethod
+    def motion_vector(self) -> Floats:
+        """(q,) what prescribed motion contributes to the right-hand side, - T^T K x0."""
+
+    @abstractmethod
+    def expand(self, q: Floats) -> Floats:
+        """x = T q, without prescribed motion: for modes and other motions, (q,) or (q, n)."""
+
+    def mass(self) -> sp.csr_matrix:
+        """Consistent mass matrix (q, q).
+
+        Raises
+        ------
+        InputError
+            If a material has no density, or the element has no mass matrix.
+        """
+        raise InputError(f"a {self.kind} with the element {self.element} has no mass matrix: {_OTHER}")
+
+    def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
+        """Second derivative (q, q) of the work of the membrane forces of a linear solution on the true strains.
+
+        Raises
+        ------
+        InputError
+            If the element has no membrane forces.
+        """
+        raise InputError(f"a {self.kind} with the element {self.element} has no membrane forces: {_OTHER}")
+
+    # loads
+
+    @abstractmethod
+    def under(self, factors: Sequence[float], motion: float = 1.0) -> Self:
+        """The same structure under its loads times factors, (load,), and its prescribed motion times one.
+
+        Matrices, factorisations and tables that do not depend on loads are shared.
+        """
+
+    # linear solution and what comes out
+
+    def prepare(self) -> None:
+        """Assemble what `solve` needs; for the clock, `solve` does it too."""
+        return
+
+    @abstractmethod
+    def solve(self, solver: str = "auto") -> Solved:
+        """The linear solution under all loads.
+
+        Raises
+        ------
+        InputError
+            If the structure can move freely, or the solver is not one for it.
+        SolveError
+            If no answer was reached.
+        """
+
+    @abstractmethod
+    def recover(self, solved: Solved) -> Result:
+        """Fields, probes, reactions, energies and warnings of a linear solution; the rest is the analysis's to fill."""
+
+    @abstractmethod
+    def motion_fields(self, x: Floats) -> Mapping[str, Floats]:
+        """Fields at vertices of a motion x by itself, without loads: displacement (vertex, 3), rotation, ..."""
+
+
+_OTHER = 'take model = "shell" or another element'
+
+
+class FiniteModel(Model):
+    """A model with an energy of finite deformation.
+
+    Attributes
+    ----------
+    frame : str
+        The axes of tensors in its results.
+    """
+
+    frame: str
+
+    @abstractmethod
+    def equilibrium(self) -> Problem:
+        """Energy, conditions and loads, all growing with one factor."""
+
+    @property
+    @abstractmethod
+    def thickness(self) -> float:
+        """A typical thickness."""
+
+    @abstractmethod
+    def probe_row(self, name: str, component: str) -> Floats:
+        """(unknowns,) whose product with x is the displacement of a probe along "x", "y" or "z".
+
+        Raises
+        ------
+        InputError
+            If there is no such probe.
+        """
+
+    @abstractmethod
+    def linear_probes(self, solved: Solved) -> dict[str, dict[str, Any]]:
+        """Values at the probes of a linear solution, as in `Result.probes`."""
+
+    @abstractmethod
+    def recover_state(self, state: State, work: float) -> Result:
+        """The result of a state of finite deformation, to which the loads did some work."""
+
+    @abstractmethod
+    def state_probes(self, state: State) -> dict[str, dict[str, Any]]:
+        """Values at the probes in a state, as in `Result.probes`."""
+
+    @abstractmethod
+    def fingerprint(self) -> str:
+        """Tells models apart: mesh, supports, loads and stiffness."""

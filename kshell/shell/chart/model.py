@@ -1,0 +1,50 @@
+"""The shell with Argyris functions on a chart as analyses need it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sp
+
+from kshell.errors import InputError
+from kshell.scene.structure import Structure
+from kshell.shell.chart.discretisation import ArgyrisDiscretisation
+from kshell.shell.koiter.discretisation import USE_KOITER
+from kshell.shell.matrices import chart_foundation
+from kshell.shell.model import ShellModel
+from kshell.shell.problem import ShellProblem
+from kshell.shell.supports import hinge_edges
+
+
+class ChartModel(ShellModel):
+    """A Koiter shell with Argyris functions on a chart.
+
+    Parameters
+    ----------
+    structure : Structure
+        With a chart.
+    reasons : sequence of str
+        Why this model.
+
+    Raises
+    ------
+    InputError
+        If a support, load, material or thickness does not fit, or the shell is not held.
+    """
+
+    element = "argyris"
+
+    def __init__(self, structure: Structure, reasons: Sequence[str] = ()) -> None:
+        if len(hinge_edges(structure.supports, structure.space)):
+            raise InputError(
+                f"support hinge: Argyris functions on a chart are smooth, so there are no hinges: {USE_KOITER}"
+            )
+        discretisation = ArgyrisDiscretisation(structure.parameters, structure.chart)
+        super().__init__(ShellProblem(structure, discretisation), 5, reasons)
+
+    def full_mass(self) -> sp.csr_matrix:
+        problem, surface = self.problem, self.problem.discretisation.surface
+        every = np.arange(len(problem.space.triangles))
+        points, _ = problem.discretisation.interior_points(every)
+        return chart_foundation(surface, problem.section.mass(every, points), np.eye(3))

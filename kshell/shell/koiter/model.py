@@ -1,0 +1,81 @@
+"""The Koiter shell on triangles as analyses need it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.mesh.mesh import Mesh
+from kshell.scene.on_chart import lifted
+from kshell.scene.structure import Structure
+from kshell.shell.koiter.discretisation import KoiterDiscretisation
+from kshell.shell.koiter.loads import surface_points
+from kshell.shell.matrices import mass
+from kshell.shell.model import ShellModel
+from kshell.shell.problem import ShellProblem
+from kshell.shell.supports import hinge_edges
+
+Floats = NDArray[np.float64]
+
+
+class KoiterModel(ShellModel):
+    """A Koiter shell of order p.
+
+    Parameters
+    ----------
+    structure : Structure
+    order : 1, 2 or 3
+    reasons : sequence of str
+        Why this model.
+    offsets : (node, 3), optional
+        By which the nodes are moved before anything is solved, without stress.
+
+    Raises
+    ------
+    InputError
+        If a support, load, material or thickness does not fit, or the shell is not held.
+    """
+
+    element = "koiter"
+
+    def __init__(
+        self,
+        structure: Structure,
+        order: int,
+        reasons: Sequence[str] = (),
+        offsets: Floats | None = None,
+    ) -> None:
+        lift: Callable[[Floats], Floats] | None = None
+        if structure.chart is not None:
+            chart = structure.chart
+
+            def lift(points: Floats) -> Floats:
+                return lifted(chart, points)
+
+        if offsets is not None:
+            structure = structure.on(moved_mesh(structure.space, order, offsets))
+        hinges = hinge_edges(structure.supports, structure.space)
+        discretisation = KoiterDiscretisation(structure.parameters, order, lift, hinges, offsets)
+        super().__init__(ShellProblem(structure, discretisation), order, reasons)
+
+    def full_mass(self) -> sp.csr_matrix:
+        problem, surface = self.problem, self.problem.discretisation.surface
+        every = np.arange(len(problem.space.triangles))
+        return mass(surface, problem.section.mass(every, surface_points(surface, every)))
+
+
+def moved_mesh(mesh: Mesh, order: int, offsets: Floats) -> Mesh:
+    """The mesh with nodes of an order moved by (node, 3) offsets."""
+    count, edges = len(mesh.points), len(mesh.edges)
+    points = mesh.points + offsets[:count]
+    if mesh.midpoints is None:
+        return replace(mesh, points=points)
+    ends = offsets[:count][mesh.edges].sum(axis=1)
+    inner = offsets[count : count + (order - 1) * edges].reshape(edges, order - 1, 3).sum(axis=1)
+    # the polynomial of the edge at its middle
+    middle = {1: 0.5 * ends, 2: inner, 3: (9 * inner - ends) / 16}[order]
+    return replace(mesh, points=points, midpoints=mesh.midpoints + middle)
