@@ -29,6 +29,7 @@ Ints = NDArray[np.int32]
 SHARPEST_SMOOTH_TURN = np.radians(70.0)
 GENTLEST_CORNER = np.radians(12.0)
 STRAIGHT = 1e-9
+ROUNDING = 8.0 * float(np.finfo(float).eps)  # of coordinates: what cannot be told from a straight line
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,8 @@ def _fit_line(
     if mesh.midpoints is not None:
         nodes[1::2] = mesh.midpoints[edges, :2] - origin
 
-    corner, jump, turn = _breaks(nodes, step, closed)
+    rounding = ROUNDING * float(np.abs(nodes + origin).max())
+    corner, jump, turn = _breaks(nodes, step, closed, rounding)
     smooth = np.where(corner, 0.0, turn)[::step]
     worst = int(np.argmax(smooth))
     breaks = np.flatnonzero(corner | jump)
@@ -168,14 +170,27 @@ def _fit_line(
     bounds = [0, *inner, len(nodes) - 1]
     periodic = closed and not len(breaks)
     derivatives = np.empty((len(line), 2, 2, 2))  # (edge, end, first or second by own parameter, xy)
+    straight = np.zeros(len(line), dtype=bool)
     for a, b in pairwise(bounds):
-        derivatives[a // step : b // step] = _spline_derivatives(nodes[a : b + 1], step, periodic)
-    _store(out, line, forward, nodes[::step], derivatives, jump[::step] & ~corner[::step], closed)
+        run, place = nodes[a : b + 1], slice(a // step, b // step)
+        straight[place] = _is_straight(run, rounding)
+        derivatives[place] = (
+            _straight_derivatives(run, step)
+            if straight[place].any()
+            else _spline_derivatives(run, step, periodic)
+        )
+    joint = jump[::step] & ~corner[::step]
+    _store(out, line, forward, nodes[::step], derivatives, straight, joint, closed)
     return float(smooth[worst]), nodes[worst * step] + origin
 
 
-def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
-    """Where a line of nodes has corners, where its curvature jumps, and how it turns at each node."""
+def _breaks(
+    nodes: Floats, step: int, closed: bool, rounding: float
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
+    """Where a line of nodes has corners, where its curvature jumps, and how it turns at each node.
+
+    Turns that rounding of the coordinates makes between very short edges are none.
+    """
     n = len(nodes)
     chord = np.diff(nodes, axis=0)
     length = np.linalg.norm(chord, axis=1)
@@ -183,11 +198,11 @@ def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], 
     before = np.concatenate([[angle[-1] if closed else angle[0]], angle])
     after = np.concatenate([angle, [angle[0] if closed else angle[-1]]])
     signed = (after - before + np.pi) % (2 * np.pi) - np.pi
+    length_before = np.concatenate([[length[-1] if closed else length[0]], length])
+    length_after = np.concatenate([length, [length[0] if closed else length[-1]]])
+    signed[np.abs(signed) * np.minimum(length_before, length_after) < rounding] = 0.0
     turn = np.abs(signed)
-    span = 0.5 * (
-        np.concatenate([[length[-1] if closed else length[0]], length])
-        + np.concatenate([length, [length[0] if closed else length[-1]]])
-    )
+    span = 0.5 * (length_before + length_after)
     bend = signed / span
 
     def neighbour(x: Floats, shift: int) -> Floats:
@@ -229,6 +244,25 @@ def _breaks(nodes: Floats, step: int, closed: bool) -> tuple[NDArray[np.bool_], 
     return corner, jump, turn
 
 
+def _is_straight(nodes: Floats, rounding: float) -> bool:
+    """Whether a run of nodes lies on a straight line as far as rounding lets one see."""
+    chord, whole = np.diff(nodes, axis=0), nodes[-1] - nodes[0]
+    length = np.linalg.norm(chord, axis=1)
+    off = np.abs(whole[0] * (nodes[:, 1] - nodes[0, 1]) - whole[1] * (nodes[:, 0] - nodes[0, 0])).max()
+    near = 0.01 * STRAIGHT * length.min() + rounding
+    return bool(off < near * length.sum() and (chord @ whole > 0).all())
+
+
+def _straight_derivatives(nodes: Floats, step: int) -> Floats:
+    """What a spline would give on a straight run, all edges along the same direction."""
+    whole = nodes[-1] - nodes[0]
+    direction = whole / np.linalg.norm(whole)
+    out = np.zeros(((len(nodes) - 1) // step, 2, 2, 2))
+    length = np.linalg.norm(np.diff(nodes[::step], axis=0), axis=1)
+    out[:, :, 0] = (length[:, None] * direction)[:, None]
+    return out
+
+
 def _spline_derivatives(nodes: Floats, step: int, periodic: bool) -> Floats:
     """First and second derivatives at both ends of each edge of a smooth run, by s in [0, 1].
 
@@ -236,13 +270,7 @@ def _spline_derivatives(nodes: Floats, step: int, periodic: bool) -> Floats:
     -------
     (edge, end, derivative, 2) array in walking direction.
     """
-    chord, whole = np.diff(nodes, axis=0), nodes[-1] - nodes[0]
-    length = np.linalg.norm(chord, axis=1)
-    off = np.abs(whole[0] * (nodes[:, 1] - nodes[0, 1]) - whole[1] * (nodes[:, 0] - nodes[0, 0])).max()
-    if off < 0.01 * STRAIGHT * length.min() * length.sum() and (chord @ whole > 0).all():
-        out = np.zeros(((len(nodes) - 1) // step, 2, 2, 2))  # a straight run: what a spline would give
-        out[:, :, 0] = np.diff(nodes[::step], axis=0)[:, None]
-        return out
+    length = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
     from scipy.interpolate import make_interp_spline
 
     parameter = np.concatenate([[0.0], np.cumsum(length)])
@@ -265,6 +293,7 @@ def _store(
     forward: NDArray[np.bool_],
     vertices: Floats,
     derivatives: Floats,
+    straight: NDArray[np.bool_],
     joint: NDArray[np.bool_],
     closed: bool,
 ) -> None:
@@ -280,9 +309,10 @@ def _store(
     slope0, slope1 = second[:, 0] / 2 + value0, -second[:, 1] / 2 - value1
     rise = value1 - value0
     shape = np.stack([value0, slope0, 3 * rise - 2 * slope0 - slope1, slope0 + slope1 - 2 * rise], axis=1)
-    flat = np.abs(shape).max(axis=(1, 2)) < STRAIGHT * np.linalg.norm(chord, axis=1)
+    flat = (np.abs(shape).max(axis=(1, 2)) < STRAIGHT * np.linalg.norm(chord, axis=1)) | straight
     shape[flat] = 0.0
     curvature[flat] = 0.0
+    flat &= ~straight
     tangent[flat] = (chord / np.linalg.norm(chord, axis=1)[:, None])[flat, None]
 
     # where only the curvature jumps, both neighbours share the mean tangent and curvature

@@ -111,3 +111,19 @@ def test_edge_quadrature_follows_the_curve():
     assert np.allclose(patch.normal, patch.xy / np.linalg.norm(patch.xy, axis=-1, keepdims=True), atol=1e-4)
     divergence = (patch.normal * patch.xy).sum(-1) * patch.weights
     assert divergence.sum() / 2 == pytest.approx(domain.area, rel=1e-10)
+
+
+def test_slanted_edges_graded_down_to_rounding_are_straight():
+    """Coordinates are known to 1e-16, which is a large turn between edges of length 1e-12."""
+    distance = np.concatenate([[0.0], 2.0 ** -np.arange(38.0, -1.0, -1.0)])
+    direction = np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
+    along = np.array([1.0, 0.0]) + distance[:, None] * direction
+    points = np.concatenate([along, [[0.5, 1.0]]])
+    n = len(along)
+    triangles = np.array([(k, k + 1, n) for k in range(n - 1)])
+    flat = np.concatenate([points, np.zeros((n + 1, 1))], axis=1)
+    mesh = Mesh(flat, triangles.astype(np.int32))
+    curves = edge_curves(mesh, mesh.boundary_edges)
+    assert not curves.curved.any()
+    slanted = (mesh.edges[curves.edges] < n).all(axis=1)
+    assert np.abs(np.abs(curves.tangent[slanted] @ direction) - 1.0).max() < 1e-15
