@@ -1,7 +1,10 @@
 """Observed rates of convergence beside the expected ones, as tables.
 
 The compliance (twice the strain energy) converges like the square of the error in the energy norm. The rate
-is the slope between the coarsest and the finest mesh of a row.
+is the slope between the coarsest and the finest mesh of a row. It says something of the discretisation only where
+that is what the errors consist of: on the finest mesh of each row they stay `ROOM` times above what rounding
+leaves, which grows with the condition number of bending, like the fourth power of the cells across (Strang & Fix 1973,
+section 5.2).
 
 Koiter elements of degree p: energy 2 p, deflection 2 p at vertices, moments p + 1 inside for odd p and p for even p,
 p at clamped edges, all as long as the triangles have the shape of the surface: pieces of degree 2 and 3 have an
@@ -18,6 +21,7 @@ from kshell.verify.cases.case import ON_MESH, TRUE_SURFACE, Outcome, Run
 from kshell.verify.cases.catalogue import find
 
 CLOSE = 0.35  # how far an observed rate may lie from the expected one
+ROOM = 5.0  # between rounding and the errors that a rate is measured from: less moves it by more than CLOSE / 2
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,11 @@ class Measured:
         coarse, fine = self.row.refinements
         return float(np.log(self.errors[0] / self.errors[1]) / np.log(fine / coarse))
 
+    @property
+    def rounding(self) -> float:
+        """What rounding leaves on the finest mesh at the most, relative: as much as renumbering the vertices changes."""
+        return float(np.finfo(float).eps) * self.row.refinements[1] ** 4
+
     def compare(self) -> Outcome:
         """The observed rate beside the expected one."""
         row = self.row
@@ -84,7 +93,7 @@ class Measured:
 
 SMOOTH = [
     # quintics: energy 8 (energy norm 4), deflection 6, moments 4, Kirchhoff's edge force 4 at least
-    Rate("ssss.sinus.ba1", "argyris", "compliance", (4, 16), 8),
+    Rate("ssss.sinus.ba1", "argyris", "compliance", (4, 12), 8),
     Rate("ssss.sinus.ba1", "argyris", "w_c", (4, 16), 6),
     Rate("ssss.sinus.ba1", "argyris", "Mx_c", (8, 32), 4),
     Rate("ssss.sinus.ba1", "argyris", "R", (4, 16), 6),
