@@ -251,7 +251,7 @@ def _order(structure: Structure, options: SolveOptions) -> tuple[int, str]:
     return true_shape_order(len(mesh.triangles), available_bytes())
 
 
-def true_shape_order(triangles: int, available: float | None) -> tuple[int, str]:
+def true_shape_order(triangles: int, available: float) -> tuple[int, str]:
     """Order of the Koiter element on triangles of true shape, and why.
 
     Cubics cost 1.8 times the time of quadratics on the same mesh and are more accurate than those on a mesh of 64

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from kshell.analysis.clock import Clock, Stage, peak_memory_mb
+from kshell.analysis.clock import Clock, Stage
 from kshell.analysis.models import build_model
 from kshell.equilibrium.model import Model
 from kshell.result.result import Result
@@ -73,5 +73,5 @@ def described(
             *(f"mesh: {note}" for note in model.structure.parameters.notes),
         ],
     }
-    result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": peak_memory_mb()}
+    result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": run.clock.peak_memory_mb}
     return result

@@ -102,7 +102,7 @@ def choose(matrix: Any, space: PlateSpace | None, method: str, available: float 
     else:
         why = f"{backend.name} as asked for"
     have = available_bytes() if available is None else available
-    if have is None or fits(matrix, backend.key, have):
+    if fits(matrix, backend.key, have):
         return Choice(backend, why)
     need = factorisation_bytes(unknowns, matrix.nnz, backend.key)
     words = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -31,30 +32,36 @@ def factorisation_bytes(unknowns: int, entries: int, backend: str) -> float:
 def fits(matrix: Any, backend: str, available: float | None = None) -> bool:
     """Whether a factorisation can be expected to fit. Where the memory is unknown, it is tried."""
     have = available_bytes() if available is None else available
-    return have is None or factorisation_bytes(matrix.shape[0], matrix.nnz, backend) <= SHARE * have
+    return factorisation_bytes(matrix.shape[0], matrix.nnz, backend) <= SHARE * have
 
 
-def available_bytes() -> float | None:
-    """Memory that can still be had, or None where the system does not say (it is asked on Linux only)."""
-    candidates = [_meminfo(Path("/proc/meminfo")), _control_group(Path("/sys/fs/cgroup"))]
-    known = [value for value in candidates if value is not None]
-    return min(known) if known else None
+def available_bytes() -> float:
+    """Memory that can still be had: what the machine has left, and in a container what its limit leaves."""
+    import psutil
+
+    return min(float(psutil.virtual_memory().available), _control_group(Path("/sys/fs/cgroup")))
 
 
-def _meminfo(path: Path) -> float | None:
-    if not path.is_file():
-        return None
-    for line in path.read_text().splitlines():
-        name, _, value = line.partition(":")
-        if name == "MemAvailable":
-            return 1024.0 * float(value.split()[0])
-    return None
-
-
-def _control_group(folder: Path) -> float | None:
-    """What the limit of a container leaves."""
+def _control_group(folder: Path) -> float:
+    """What the limit of a container leaves: infinitely much where there is none."""
     limit, used = folder / "memory.max", folder / "memory.current"
     if not (limit.is_file() and used.is_file()):
-        return None
-    text = limit.read_text().strip()
-    return float(text) - float(used.read_text()) if text.isdigit() else None
+        return math.inf
+    text = limit.read_text(encoding="utf-8").strip()
+    return float(text) - float(used.read_text(encoding="utf-8")) if text.isdigit() else math.inf
+
+
+def peak_bytes() -> float:
+    """Largest memory of this process so far; where the system does not keep it (macOS) what is used now."""
+    import psutil
+
+    used = psutil.Process().memory_info()
+    if hasattr(used, "peak_wset"):  # Windows
+        return float(used.peak_wset)
+    status = Path("/proc/self/status")  # Linux: the line "VmHWM:   12345 kB", the high water mark
+    if status.is_file():
+        for line in status.read_text(encoding="utf-8").splitlines():
+            name, _, value = line.partition(":")
+            if name == "VmHWM":
+                return 1024.0 * float(value.split()[0])
+    return float(used.rss)

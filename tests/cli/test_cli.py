@@ -41,7 +41,7 @@ element = "morley"
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     write_msh(square_mesh(8), tmp_path / "square.msh")
-    (tmp_path / "scene.toml").write_text(SCENE)
+    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "excepthook", sys.excepthook)  # put back afterwards
     return tmp_path
@@ -84,8 +84,8 @@ def test_solve_writes_results(folder, capsys):
     code, out, _ = run(capsys, "solve", "scene.toml", "-o", "out", "--json", "copy.json")
     assert code == 0
     assert sorted(os.listdir("out")) == ["result.json", "result.vtu"]
-    document = json.loads(Path("out/result.json").read_text())
-    assert json.loads(Path("copy.json").read_text()) == document
+    document = json.loads(Path("out/result.json").read_text(encoding="utf-8"))
+    assert json.loads(Path("copy.json").read_text(encoding="utf-8")) == document
     assert "out/result.vtu" in out
     D = 210e9 * 0.01**3 / 12 / 0.91
     assert document["probes"]["centre"]["u"][2] == pytest.approx(4.06235e-3 * 1000 / D, rel=0.1)
@@ -119,7 +119,7 @@ def test_mesh_and_options_say_the_same_as_a_scene(folder, capsys):
     ]
     assert run(capsys, *by_options, "--json", "a.json")[0] == 0
     assert run(capsys, "solve", "scene.toml", "--json", "b.json")[0] == 0
-    a, b = (json.loads(Path(name).read_text()) for name in ("a.json", "b.json"))
+    a, b = (json.loads(Path(name).read_text(encoding="utf-8")) for name in ("a.json", "b.json"))
     w, same = (document["extremes"]["deflection"]["value"] for document in (a, b))
     assert w == pytest.approx(same, rel=1e-9)
     mixed = ["solve", "square.msh", *OPTIONS, "--clamped", "left", "--clamped", "top", "--symmetry", "right"]
@@ -291,7 +291,7 @@ def test_solve_is_a_function_after_solving(folder):
 def test_shipped_scenes(scene, tmp_path, capsys):
     code, _, err = run(capsys, "solve", scene, "--json", tmp_path / "result.json")
     assert (code, err) == (0, "")
-    document = json.loads((tmp_path / "result.json").read_text())
+    document = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
     assert len(document["warnings"]) == (1 if scene.stem == "l_shape" else 0)  # its re-entrant corner
     assert document["balance"] < 1e-6
     exact = {"disk": 5.3 / 1.3 / 64, "ellipse": 1 / (8 * (3 / 16 + 3 + 2 / 4)), "sector": 1 / 64}

@@ -57,9 +57,9 @@ def groups(mesh):
 def read(tmp_path):
     def write_and_read(text, **others):
         for name, content in others.items():
-            (tmp_path / f"{name}.inp").write_text(content)
+            (tmp_path / f"{name}.inp").write_text(content, encoding="utf-8")
         path = tmp_path / "deck.inp"
-        path.write_text(text)
+        path.write_text(text, encoding="utf-8")
         return read_mesh(path)
 
     return write_and_read

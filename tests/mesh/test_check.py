@@ -31,7 +31,7 @@ CELLS = {
 def test_cells_that_are_no_triangles(tmp_path, case):
     cells, message = CELLS[case]
     path = tmp_path / "cells.msh"
-    path.write_text(msh2_text([*map(tuple, UNIT), (0, 0, 1)], cells))
+    path.write_text(msh2_text([*map(tuple, UNIT), (0, 0, 1)], cells), encoding="utf-8")
     with pytest.raises(InputError, match=message):
         read_mesh(path)
 
@@ -158,7 +158,9 @@ def test_group_that_lies_off_the_surface(tmp_path):
     names = '$PhysicalNames\n2\n0 8 "hub"\n1 7 "rib"\n$EndPhysicalNames\n'
     points = [*map(tuple, UNIT), (2, 2, 0)]
     path = tmp_path / "lost.msh"
-    path.write_text(msh2_text(points, ["2 1 1 2 3", "2 1 2 4 3", "1 7 1 2", "1 7 1 4", "15 8 5"], names))
+    path.write_text(
+        msh2_text(points, ["2 1 1 2 3", "2 1 2 4 3", "1 7 1 2", "1 7 1 4", "15 8 5"], names), encoding="utf-8"
+    )
     mesh = read_mesh(path)
     assert any("group 'rib': 1 of its 2 curve cells" in note for note in mesh.notes)
     with pytest.raises(InputError, match=r"1 cell of group 'rib'.*`Curve.5. In Surface"):

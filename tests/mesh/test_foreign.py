@@ -123,7 +123,7 @@ WRONG_FILES = {
 def test_wrong_files(tmp_path, name, capfd):
     text, message = WRONG_FILES[name]
     path = tmp_path / name
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message):
         read_mesh(path)
     assert capfd.readouterr().out == ""

@@ -21,7 +21,7 @@ Physical Curve("left") = {4};
 def geo(tmp_path):
     def write(text: str, name: str = "shape.geo"):
         path = tmp_path / name
-        path.write_text(text)
+        path.write_text(text, encoding="utf-8")
         return path
 
     return write
@@ -166,7 +166,7 @@ def test_wrong_options(geo, options):
 
 def test_options_are_for_geometry_only(tmp_path):
     path = tmp_path / "mesh.msh"
-    path.write_text("")
+    path.write_text("", encoding="utf-8")
     with pytest.raises(InputError, match=r"mesh_size is for geometry files.*mesh\.msh is meshed already"):
         read_mesh(path, 0.1)
     with pytest.raises(InputError, match="mesh_order is for geometry files"):

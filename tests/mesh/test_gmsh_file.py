@@ -100,7 +100,9 @@ def test_without_groups_the_numbers_of_gmsh_serve(tmp_path):
 
 def test_cells_in_several_groups_are_one_cell(tmp_path):
     path = tmp_path / "twice.msh"
-    path.write_text(msh2_text(TRIANGLE, ["2 1 1 2 3", "2 2 1 2 3", "2 1 2 4 3", "1 5 1 2", "1 6 1 2"]))
+    path.write_text(
+        msh2_text(TRIANGLE, ["2 1 1 2 3", "2 2 1 2 3", "2 1 2 4 3", "1 5 1 2", "1 6 1 2"]), encoding="utf-8"
+    )
     mesh = read_mesh(path)
     assert len(mesh.triangles) == 2
     assert mesh.notes == ()
@@ -115,7 +117,10 @@ def test_cells_in_several_groups_are_one_cell(tmp_path):
 
 def test_a_cell_twice_in_one_group_is_said(tmp_path):
     path = tmp_path / "copies.msh"
-    path.write_text(msh2_text(TRIANGLE, ["2 1 1 2 3", "2 1 3 1 2", "2 2 1 2 3", "2 0 2 4 3", "2 0 4 3 2"]))
+    path.write_text(
+        msh2_text(TRIANGLE, ["2 1 1 2 3", "2 1 3 1 2", "2 2 1 2 3", "2 0 2 4 3", "2 0 4 3 2"]),
+        encoding="utf-8",
+    )
     mesh = read_mesh(path)
     assert len(mesh.triangles) == 2
     assert mesh.notes == ("2 copies of triangles left out",)
@@ -124,7 +129,7 @@ def test_a_cell_twice_in_one_group_is_said(tmp_path):
 def test_one_name_for_two_kinds_of_groups(tmp_path):
     names = '$PhysicalNames\n2\n1 5 "rim"\n2 1 "rim"\n$EndPhysicalNames\n'
     path = tmp_path / "names.msh"
-    path.write_text(msh2_text(TRIANGLE, ["2 1 1 2 3", "1 5 1 2"], names))
+    path.write_text(msh2_text(TRIANGLE, ["2 1 1 2 3", "1 5 1 2"], names), encoding="utf-8")
     mesh = read_mesh(path)
     assert set(mesh.groups) == {"rim (curve)", "rim (surface)"}
     assert any("told apart" in note for note in mesh.notes)
@@ -157,7 +162,7 @@ $Elements
 $EndElements
 """
     for tag, triangle in ((7, [0, 1, 2]), (-7, [0, 2, 1])):
-        path.write_text(text.format(tag=tag))
+        path.write_text(text.format(tag=tag), encoding="utf-8")
         mesh = read_mesh(path)
         np.testing.assert_array_equal(mesh.triangles, [triangle])
         assert set(mesh.groups) == {"2:7"}
@@ -178,7 +183,7 @@ def test_node_tags_may_be_any_numbers(tmp_path):
     for tag, new in ((4, 5000000), (3, 31), (2, 7), (1, 100)):
         x, y, z = TRIANGLE[tag - 1]
         text = text.replace(f"\n{tag} {x} {y} {z}\n", f"\n{new} {x} {y} {z}\n")
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     mesh = read_mesh(path)
     np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2], [1, 3, 2]])
     assert mesh.groups["0:3"].members.tolist() == [2]
@@ -242,7 +247,7 @@ DAMAGED = {
 def test_damaged_files(tmp_path, case):
     text, message = DAMAGED[case]
     path = tmp_path / "damaged.msh"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match=message) as caught:
         read_mesh(path)
     assert str(caught.value).startswith("damaged.msh: ")

@@ -69,9 +69,9 @@ def groups(mesh):
 def read(tmp_path):
     def write_and_read(text, suffix="bdf", **others):
         for name, content in others.items():
-            (tmp_path / f"{name}.inc").write_text(content)
+            (tmp_path / f"{name}.inc").write_text(content, encoding="utf-8")
         path = tmp_path / f"deck.{suffix}"
-        path.write_text(text)
+        path.write_text(text, encoding="utf-8")
         return read_mesh(path)
 
     return write_and_read

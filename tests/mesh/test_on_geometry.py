@@ -92,7 +92,7 @@ DISK = 'SetFactory("OpenCASCADE");\nDisk(1) = {0, 0, 0, 1};\nPhysical Curve("rim
 @pytest.fixture
 def disk(tmp_path):
     path = tmp_path / "disk.geo"
-    path.write_text(DISK)
+    path.write_text(DISK, encoding="utf-8")
     return path
 
 
@@ -136,7 +136,8 @@ Point(4) = {-1, 1, 0, 0.5}; Point(5) = {0.6, 0, 0, 0.4}; Point(6) = {0, 0.6, 0, 
 Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Circle(5) = {5, 7, 6};
 Curve Loop(1) = {1:4}; Plane Surface(1) = {1}; Curve{5} In Surface{1};
 Physical Surface("plate") = {1}; Physical Curve("arc") = {5};
-"""
+""",
+        encoding="utf-8",
     )
     mesh = read_mesh(path)
     lifted = put_on_geometry(mesh, path)
@@ -195,7 +196,8 @@ def wrong(tmp_path, disk, case):
             path = tmp_path / "two.geo"
             path.write_text(
                 'SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n'
-                "Rectangle(2) = {1, 0, 0, 1, 1};\nCoherence;\n"
+                "Rectangle(2) = {1, 0, 0, 1, 1};\nCoherence;\n",
+                encoding="utf-8",
             )
             points = [[0, 0], [2, 0], [2, 1], [0, 1]]
             return Mesh.from_arrays(points, [[0, 1, 2], [0, 2, 3]]), path
@@ -227,7 +229,7 @@ def test_a_geometry_of_triangles_is_none(tmp_path, disk):
     mesh = read_mesh(disk, 0.5)
     meshio.Mesh(mesh.points, [("triangle", mesh.triangles)]).write(tmp_path / "disk.stl")
     path = tmp_path / "merged.geo"
-    path.write_text('Merge "disk.stl";\n')
+    path.write_text('Merge "disk.stl";\n', encoding="utf-8")
     with pytest.raises(InputError, match="holds triangles instead of smooth surfaces"):
         put_on_geometry(mesh, path)
 
@@ -239,7 +241,8 @@ def test_a_triangle_turned_inside_out(tmp_path):
         """Point(1) = {-1, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {0, -1.2, 0}; Point(4) = {0, 0.5, 0};
 Circle(1) = {1, 3, 2}; Line(2) = {2, 4}; Line(3) = {4, 1};
 Curve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};
-"""
+""",
+        encoding="utf-8",
     )
     mesh = Mesh.from_arrays([[-1, 0], [1, 0], [0, 0.5]], [[0, 1, 2]])
     with pytest.raises(InputError, match="turned inside out by their mid-edge nodes"):
@@ -262,7 +265,8 @@ kind = "clamped"
 [[load]]
 kind = "pressure"
 value = 1.0
-"""
+""",
+        encoding="utf-8",
     )
     from kshell.cli.commands import run
 
@@ -278,7 +282,7 @@ value = 1.0
     )
     import json
 
-    found = [json.loads((tmp_path / d / "result.json").read_text()) for d in "ab"]
+    found = [json.loads((tmp_path / d / "result.json").read_text(encoding="utf-8")) for d in "ab"]
     energies = [r["strain_energy"] for r in found]
     stiffness = 1e9 * 0.01**3 / (12 * (1 - 0.3**2))
     assert energies[0] == energies[1] == pytest.approx(np.pi / (384 * stiffness), rel=1e-5)

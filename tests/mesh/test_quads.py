@@ -27,7 +27,7 @@ def read_cell(corners, kind="quad"):
 def test_of_gmsh(tmp_path, version, order):
     import gmsh
 
-    (tmp_path / "square.geo").write_text(SQUARE)
+    (tmp_path / "square.geo").write_text(SQUARE, encoding="utf-8")
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)

@@ -108,7 +108,10 @@ def shared_names(tmp_path):
     """ "rim" names a curve and a surface, tags 5 and 1."""
     names = '$PhysicalNames\n3\n1 5 "rim"\n2 1 "rim"\n1 6 "other"\n$EndPhysicalNames\n'
     path = tmp_path / "names.msh"
-    path.write_text(msh2_text([(0, 0, 0), (1, 0, 0), (0, 1, 0)], ["2 1 1 2 3", "1 5 1 2", "1 6 2 3"], names))
+    path.write_text(
+        msh2_text([(0, 0, 0), (1, 0, 0), (0, 1, 0)], ["2 1 1 2 3", "1 5 1 2", "1 6 2 3"], names),
+        encoding="utf-8",
+    )
     return read_mesh(path)
 
 

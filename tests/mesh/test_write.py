@@ -78,7 +78,10 @@ def test_gmsh_reads_what_is_written(tmp_path, order):
 def test_names_shared_by_kinds_and_unnamed_groups_survive(tmp_path):
     names = '$PhysicalNames\n2\n1 5 "rim"\n2 1 "rim"\n$EndPhysicalNames\n'
     first, second = tmp_path / "first.msh", tmp_path / "second.msh"
-    first.write_text(msh2_text([(0, 0, 0), (1, 0, 0), (0, 1, 0)], ["2 1 1 2 3", "1 5 1 2", "1 6 2 3"], names))
+    first.write_text(
+        msh2_text([(0, 0, 0), (1, 0, 0), (0, 1, 0)], ["2 1 1 2 3", "1 5 1 2", "1 6 2 3"], names),
+        encoding="utf-8",
+    )
     mesh = read_mesh(first)
     write_msh(mesh, second)
     assert group_places(read_mesh(second)) == group_places(mesh)
@@ -88,7 +91,7 @@ def test_names_shared_by_kinds_and_unnamed_groups_survive(tmp_path):
 def test_an_earlier_file_survives_a_failure(tmp_path, monkeypatch):
     path = tmp_path / "mesh.msh"
     write_msh(square(2), path)
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
 
     def full_disk(*_):
         raise OSError(28, "No space left on device")
@@ -96,7 +99,7 @@ def test_an_earlier_file_survives_a_failure(tmp_path, monkeypatch):
     monkeypatch.setattr("os.replace", full_disk)
     with pytest.raises(OSError, match="No space"):
         write_msh(square(3), path)
-    assert path.read_text() == before
+    assert path.read_text(encoding="utf-8") == before
     assert [file.name for file in tmp_path.iterdir()] == ["mesh.msh"]
 
 

@@ -98,7 +98,7 @@ def test_saved_files_read_back(tmp_path):
     result = fabricated_result()
     written = result.save(tmp_path / "deep" / "out")
     assert sorted(os.path.basename(path) for path in written) == ["result.json", "result.vtu"]
-    assert json.loads((tmp_path / "deep/out/result.json").read_text()) == json.loads(
+    assert json.loads((tmp_path / "deep/out/result.json").read_text(encoding="utf-8")) == json.loads(
         json.dumps(result.to_dict())
     )
     mesh = meshio.read(tmp_path / "deep/out/result.vtu")
@@ -135,32 +135,32 @@ def test_a_failed_save_leaves_the_earlier_result(tmp_path):
         broken.save(tmp_path)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
     fabricated_result(title="third").save(tmp_path)
-    assert json.loads((tmp_path / "result.json").read_text())["title"] == "third"
+    assert json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["title"] == "third"
 
 
 def test_writing_is_all_or_nothing(tmp_path):
-    (tmp_path / "a").write_text("old")
+    (tmp_path / "a").write_text("old", encoding="utf-8")
 
     def fail(path):
-        path.write_text("half")
+        path.write_text("half", encoding="utf-8")
         raise OSError(28, "No space left on device", str(path))
 
     with pytest.raises(ks.InputError, match=r"No space left.*another output folder"):
-        write_together(tmp_path, {"a": lambda path: path.write_text("new"), "b": fail})
-    assert (tmp_path / "a").read_text() == "old"
+        write_together(tmp_path, {"a": lambda path: path.write_text("new", encoding="utf-8"), "b": fail})
+    assert (tmp_path / "a").read_text(encoding="utf-8") == "old"
     assert os.listdir(tmp_path) == ["a"]
 
     def interrupt(path):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        write_together(tmp_path, {"a": lambda path: path.write_text("new"), "b": interrupt})
-    assert (tmp_path / "a").read_text() == "old"
+        write_together(tmp_path, {"a": lambda path: path.write_text("new", encoding="utf-8"), "b": interrupt})
+    assert (tmp_path / "a").read_text(encoding="utf-8") == "old"
     assert os.listdir(tmp_path) == ["a"]
 
 
 def test_places_that_cannot_be_written(tmp_path):
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(ks.InputError, match="cannot be written"):
         fabricated_result().save(tmp_path / "file")
     with pytest.raises(ks.InputError, match="cannot be written"):

@@ -57,7 +57,7 @@ element = "morley"
 
 
 def test_file_dict_and_python_say_the_same(tmp_path):
-    (tmp_path / "scene.toml").write_text(TEXT)
+    (tmp_path / "scene.toml").write_text(TEXT, encoding="utf-8")
     expected = ks.Scene(
         title="Steel plate",
         mesh=tmp_path / "plate.msh",
@@ -230,7 +230,7 @@ def test_unreadable_files(tmp_path, content, words):
 
 
 def test_missing_files(tmp_path):
-    (tmp_path / "plate.toml").write_text(TEXT)
+    (tmp_path / "plate.toml").write_text(TEXT, encoding="utf-8")
     with pytest.raises(ks.InputError, match=r'no such file. did you mean "plate.toml"'):
         ks.Scene.load(tmp_path / "plaet.toml")
     with pytest.raises(ks.InputError, match="no such file"):

@@ -137,7 +137,7 @@ def write_msh(path, sheet, groups):
     text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
     for name, lines in blocks.items():
         text += "\n".join([f"${name}", str(len(lines)), *lines, f"$End{name}\n"])
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
 
 
 def scene_text(mesh, supports, more=""):
@@ -161,13 +161,13 @@ def test_solve_says_what_is_wrong(tmp_path, capsys, name):
     sheet, groups, supports, code, words = CASES[name]
     write_msh(tmp_path / "bad.msh", sheet, groups)
     scene = tmp_path / "bad.toml"
-    scene.write_text(scene_text("bad.msh", supports))
+    scene.write_text(scene_text("bad.msh", supports), encoding="utf-8")
     found, text = said(capsys, "solve", scene, "--json", tmp_path / "out.json")
     flowed = " ".join(text.split())
     assert found == code, flowed
     assert ("error: " in flowed) == (code != 0)
     if code == 0:
-        result = json.loads((tmp_path / "out.json").read_text())
+        result = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
         flowed = " ".join(result["warnings"] + result["model"]["reasons"])
     else:
         assert not (tmp_path / "out.json").exists()
@@ -181,7 +181,7 @@ def test_a_chart_without_normal(tmp_path, capsys, element):
     write_msh(tmp_path / "uv.msh", (points, triangles), LEFT)
     scene = tmp_path / "pole.toml"
     more = f'element = "{element}"\n[chart]\nkind = "sphere"\nR = 1.0\n'
-    scene.write_text(scene_text("uv.msh", CLAMPED, more))
+    scene.write_text(scene_text("uv.msh", CLAMPED, more), encoding="utf-8")
     code, text = said(capsys, "solve", scene)
     assert code == 2
     assert "3 edges to single points" in " ".join(text.split())
@@ -190,9 +190,11 @@ def test_a_chart_without_normal(tmp_path, capsys, element):
 def test_a_thick_shell_is_warned_of_with_numbers(tmp_path, capsys):
     scene = tmp_path / "thick.toml"
     hook = (
-        (MESHES / "raasch_hook.toml").read_text().replace("raasch_hook.msh", str(MESHES / "raasch_hook.msh"))
+        (MESHES / "raasch_hook.toml")
+        .read_text(encoding="utf-8")
+        .replace("raasch_hook.msh", str(MESHES / "raasch_hook.msh"))
     )
-    scene.write_text(hook)
+    scene.write_text(hook, encoding="utf-8")
     code, text = said(capsys, "solve", scene, "--set", "thickness=8.0")
     assert code == 0
     assert "thickness 8 is more than half of the radius of curvature 13.9" in " ".join(text.split())

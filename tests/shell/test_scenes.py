@@ -82,7 +82,7 @@ def test_edge_solutions(name, probe, meridian, length, element, tolerance):
 
 def test_sphere_under_pressure_from_the_command_line(tmp_path):
     assert run(["solve", str(MESHES / "pressurised_sphere.toml"), "--json", str(tmp_path / "r.json")]) == 0
-    document = json.loads((tmp_path / "r.json").read_text())
+    document = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     probe = document["probes"]["middle"]
     assert np.linalg.norm(probe["u"]) == pytest.approx(35.0 * (1 - 1e-4 / 12), rel=1e-3)
     assert probe["N"] == pytest.approx([0.5, 0.5, 0.0], abs=2e-3)
@@ -100,7 +100,9 @@ def test_every_order_on_the_command_line(tmp_path, capsys):
     for order, error in (("1", 6e-3), ("2", 2e-3), ("3", 5e-4)):
         out = tmp_path / f"{order}.json"
         assert run(["solve", str(MESHES / "raasch_hook.toml"), "--order", order, "--json", str(out)]) == 0
-        assert json.loads(out.read_text())["probes"]["tip"]["u"][1] == pytest.approx(4.558, rel=error)
+        assert json.loads(out.read_text(encoding="utf-8"))["probes"]["tip"]["u"][1] == pytest.approx(
+            4.558, rel=error
+        )
     assert run(["check", str(MESHES / "raasch_hook.toml")]) == 0
     assert "koiter" in capsys.readouterr().out
 

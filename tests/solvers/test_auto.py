@@ -2,6 +2,8 @@
 
 import re
 
+import numpy as np
+import psutil
 import pytest
 import scipy.sparse as sp
 
@@ -9,7 +11,7 @@ from kshell.errors import InputError, SolveError
 from kshell.solvers import auto, backends
 from kshell.solvers.auto import MULTIGRID_FROM, choose
 from kshell.solvers.backends import BACKENDS, installed_backends
-from kshell.solvers.memory import _control_group, _meminfo, available_bytes, factorisation_bytes, fits
+from kshell.solvers.memory import _control_group, available_bytes, factorisation_bytes, fits, peak_bytes
 
 from .plates import mesh_of, plate, square, stretched
 
@@ -76,17 +78,23 @@ def test_forecast_covers_a_real_factor():
     assert 0.5 * stored < factorisation_bytes(a.shape[0], a.nnz, "superlu") < 6 * stored
 
 
-def test_memory_readings(tmp_path):
-    (tmp_path / "meminfo").write_text("MemTotal:  2000 kB\nMemAvailable:    1000 kB\n")
-    assert _meminfo(tmp_path / "meminfo") == 1024e3
-    assert _meminfo(tmp_path / "absent") is None
-    assert _control_group(tmp_path) is None
-    (tmp_path / "memory.max").write_text("5000\n")
-    (tmp_path / "memory.current").write_text("1500\n")
+def test_limit_of_a_container(tmp_path):
+    assert _control_group(tmp_path) == np.inf
+    (tmp_path / "memory.max").write_text("5000\n", encoding="utf-8")
+    (tmp_path / "memory.current").write_text("1500\n", encoding="utf-8")
     assert _control_group(tmp_path) == 3500.0
-    (tmp_path / "memory.max").write_text("max\n")
-    assert _control_group(tmp_path) is None
-    here = available_bytes()
-    assert here is None or here > 1e6
+    (tmp_path / "memory.max").write_text("max\n", encoding="utf-8")
+    assert _control_group(tmp_path) == np.inf
+
+
+def test_memory_is_counted_in_bytes():
+    used = psutil.Process().memory_info().rss
+    assert 1e7 < peak_bytes() < psutil.virtual_memory().total
+    held = np.ones(5 * 10**6)
+    assert peak_bytes() > used + 0.8 * held.nbytes  # the numbers of pages may be a little late
+    assert 0 < available_bytes() < psutil.virtual_memory().total
+
+
+def test_what_fits():
     assert fits(sp.eye(10, format="csr"), "superlu", 1e9)
     assert not fits(sp.eye(10**5, format="csr"), "superlu", 1e3)

@@ -68,14 +68,14 @@ def test_full_run_writes_page_table_and_charts(few, tmp_path, capsys):
     assert sorted(path.name for path in folder.iterdir()) == names
     for name in names[:4]:
         assert (folder / name).read_bytes().startswith(b"\x89PNG")
-    text = (folder / "verification.csv").read_text()
+    text = (folder / "verification.csv").read_text(encoding="utf-8")
     facts = dict(line[2:].split(": ", 1) for line in text.splitlines() if line.startswith("#"))
     assert set(facts) >= {"processor", "kshell", "numpy", "commit"}
     table = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     assert {row["case"] for row in table} == set(FEW)
     assert {row["mesh"] for row in table} > {"argyris-4-order2"}
     assert any(row["quantity"].startswith("rate ") for row in table)
-    page = (folder / "verification.html").read_text()
+    page = (folder / "verification.html").read_text(encoding="utf-8")
     assert page.count("data:image/png;base64,") == 4
     assert page.count("<tr><td>") > len(table)
     assert "Timoshenko" in page
@@ -117,7 +117,7 @@ def test_a_case_without_an_answer_fails_in_the_table(few, capsys):
 
 
 def test_a_folder_that_cannot_be_is_found_before_anything_is_solved(tmp_path, monkeypatch):
-    (tmp_path / "file").write_text("")
+    (tmp_path / "file").write_text("", encoding="utf-8")
     monkeypatch.setattr(running, "all_cases", lambda: pytest.fail("solved"))
     with pytest.raises(InputError, match="is a file"):
         verify(out=tmp_path / "file" / "report")

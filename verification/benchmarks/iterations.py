@@ -139,7 +139,7 @@ def write(rows: list[Row], path: Path) -> None:
     commit = subprocess.run(
         ["git", "describe", "--always", "--dirty"], cwd=HERE, capture_output=True, text=True, check=False
     ).stdout.strip()
-    with path.open("w", newline="") as file:
+    with path.open("w", newline="", encoding="utf-8") as file:
         file.write(
             f"# machine: {platform.machine()} {platform.system()}; commit: {commit}; python "
             f"{platform.python_version()}, numpy {np.__version__}, scipy {scipy.__version__}, "

@@ -112,7 +112,9 @@ def run(seed: int, folder: Path, seconds: float = SECONDS) -> tuple[str, str, ks
 
 def sound(result: ks.Result, folder: Path) -> bool:
     """Whether the files can be read and hold finite numbers only, and the state is in equilibrium."""
-    json.loads((folder / "result.json").read_text(), parse_constant=float.fromhex)  # NaN is no number
+    json.loads(
+        (folder / "result.json").read_text(encoding="utf-8"), parse_constant=float.fromhex
+    )  # NaN is no number
     fields = meshio.read(folder / "result.vtu").point_data
     return all(np.isfinite(values).all() for values in fields.values()) and result.balance < 1e-3
 

@@ -141,7 +141,7 @@ def phases(cells: list[int], before: str | None, beside: list[list[str]], out: P
             ]
             rows.append([int(answer["unknowns"]), name, *(f"{s:.4f}" for s in numbers)])
             print(f"{rows[-1][0]:9d}  {name:20s}" + "".join(f"{s:10.3f}" for s in numbers), flush=True)
-    with (out / "newton.csv").open("w", newline="") as file:
+    with (out / "newton.csv").open("w", newline="", encoding="utf-8") as file:
         csv.writer(file, lineterminator="\n").writerows(
             [
                 ["unknowns", "program", *PHASES, "iteration", "first iteration", "iteration in a load step"],

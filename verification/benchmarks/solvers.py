@@ -117,7 +117,7 @@ def measure(element: str, path: Path, method: str, tolerance: float | None) -> d
 
 
 def _status(name: str) -> float:
-    for line in Path("/proc/self/status").read_text().splitlines():
+    for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
         if line.startswith(name):
             return float(line.split()[1]) / 1024
     raise RuntimeError(f"/proc/self/status has no {name}")
@@ -130,7 +130,7 @@ def _peak_memory() -> float:
 
 def _forget_peak() -> float:
     """Start a new peak; the resident memory now, MB."""
-    Path("/proc/self/clear_refs").write_text("5")
+    Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")
     return _status("VmRSS")
 
 
@@ -278,7 +278,7 @@ def main() -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     results = run_all(QUICK if options.quick else SIZES, options.largest, options.meshes)
     print("\n".join(ratios(results)))
-    (options.out / "solvers.json").write_text(json.dumps(results, indent=1))
+    (options.out / "solvers.json").write_text(json.dumps(results, indent=1), encoding="utf-8")
     draw(results, options.out / "solvers.png")
     print(f"chart: {options.out / 'solvers.png'}")
 

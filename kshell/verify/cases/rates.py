@@ -21,7 +21,9 @@ from kshell.verify.cases.case import ON_MESH, TRUE_SURFACE, Outcome, Run
 from kshell.verify.cases.catalogue import find
 
 CLOSE = 0.35  # how far an observed rate may lie from the expected one
-ROOM = 5.0  # between rounding and the errors that a rate is measured from: less moves it by more than CLOSE / 2
+ROOM = (
+    5.0  # between rounding and the errors that a rate is measured from: less moves it by more than CLOSE / 2
+)
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ class Measured:
 
     @property
     def rounding(self) -> float:
-        """What rounding leaves on the finest mesh at the most, relative: as much as renumbering the vertices changes."""
+        """What rounding leaves on the finest mesh at the most, relative: renumbered vertices change no more."""
         return float(np.finfo(float).eps) * self.row.refinements[1] ** 4
 
     def compare(self) -> Outcome:
