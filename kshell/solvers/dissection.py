@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 # parts are cut down to this many elements
-SMALLEST_PART = 8
+SMALLEST_PART = 4
 # a cut leaves on each side at least this share of its part
 SMALLEST_SHARE = 0.35
 # a cut away from the middle by a share x of its part counts as 1 + UNEVEN x times what straddles it
@@ -58,7 +58,9 @@ def parts(centres: Floats, members: Ints, count: int) -> Ints:
     part = np.zeros(elements, dtype=np.int64)
     bounds = np.array([0, elements])
     # per axis the elements of each part in the order of their coordinate, kept from level to level
-    orders = [np.argsort(centres[:, axis], kind="stable").astype(np.int32) for axis in range(axes)]
+    orders: list[Ints] = [
+        np.argsort(centres[:, axis], kind="stable").astype(np.int32) for axis in range(axes)
+    ]
     # the elements of each thing that lie in one part, behind each other; what is alone there separates nothing
     flat = members.ravel()
     owners = (np.argsort(flat, kind="stable") // members.shape[1]).astype(np.int32)
