@@ -157,7 +157,7 @@ def test_nested_dissection_is_an_order_with_little_fill():
     back = np.argsort(model.koiter.elimination)
     options = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     dissection = splu(matrix[back][:, back].tocsc(), "NATURAL", **options).nnz
-    assert dissection < 1.05 * splu(matrix.tocsc(), "MMD_AT_PLUS_A", **options).nnz
+    assert dissection < 1.2 * splu(matrix.tocsc(), "MMD_AT_PLUS_A", **options).nnz
     assert dissection < 0.3 * splu(matrix.tocsc(), "NATURAL", **options).nnz
 
 
