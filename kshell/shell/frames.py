@@ -99,3 +99,28 @@ def plane_tangents(normal: Floats) -> tuple[Floats, Floats]:
     zero = np.zeros_like(normal[0])
     first = cross(np.stack([np.where(across, 1.0, 0.0), np.where(across, 0.0, 1.0), zero]), normal)
     return first, cross(normal, first)
+
+
+def in_space(tensor: Floats, axes: Floats) -> Floats:
+    """Components xx yy zz yz xz xy (..., 6) in space of plane tensors (..., 3) in frames with rows e_1, e_2, n."""
+    a, b = axes[..., 0, :], axes[..., 1, :]
+    t11, t22, t12 = (tensor[..., k, None] for k in range(3))
+    i, j = np.array([0, 1, 2, 1, 0, 0]), np.array([0, 1, 2, 2, 2, 1])
+    return (
+        t11 * a[..., i] * a[..., j]
+        + t22 * b[..., i] * b[..., j]
+        + t12 * (a[..., i] * b[..., j] + b[..., i] * a[..., j])
+    )
+
+
+def in_frame(spatial: Floats, axes: Floats) -> Floats:
+    """Components 11, 22, 12 (..., 3) in frames of tensors in space (..., 6)."""
+    full = spatial[..., np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])]
+    plane = axes[..., :2, :] @ full @ axes[..., :2, :].swapaxes(-1, -2)
+    return np.stack([plane[..., 0, 0], plane[..., 1, 1], plane[..., 0, 1]], axis=-1)
+
+
+def frames_of_normals(normal: Floats) -> Floats:
+    """Frames (..., 3, 3), rows e_1, e_2, n, on planes with normals (..., 3) of any length."""
+    n = np.moveaxis(normal / np.linalg.norm(normal, axis=-1, keepdims=True), -1, 0)
+    return np.moveaxis(np.stack(tangent_frame(np.stack(plane_tangents(n)))), (0, 1), (-2, -1))
