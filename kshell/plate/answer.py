@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ from numpy.typing import NDArray
 
 from kshell.material.section import Section
 from kshell.material.tensors import principal, von_mises
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import place
 from kshell.plate.domain import Domain
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
@@ -17,6 +20,7 @@ from kshell.plate.recovery import Fields
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
+from kshell.scene.places import Point
 from kshell.solvers import Solution
 
 Floats = NDArray[np.float64]
@@ -32,7 +36,7 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         Physical degrees of freedom.
     """
     mesh = problem.mesh
-    fields = Fields(problem.domain, problem.layout, problem.bending, problem.section, problem.loads, d)
+    fields = problem.fields(d)
     finder = ReactionFinder(
         problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending
     )
@@ -50,6 +54,7 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         return values
 
     probes, probe_warnings = probe_values(problem.structure.probes, evaluate, mesh, "plate")
+    probe_warnings += _on_lines(problem.structure.probes, mesh, fields)
     strain_energy, work = problem.energies(np.asarray(solution.x, dtype=np.float64))
     error = no_error_estimate()
     error["budget"]["algebra"] = float(solution.energy_error)
@@ -70,6 +75,27 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         error=error,
         warnings=warnings + probe_warnings,
     )
+
+
+def _on_lines(probes: Mapping[str, Point], mesh: Mesh, fields: Fields) -> list[str]:
+    """Whose values probes have where moments or stresses jump."""
+    names, points = list(probes), np.array(list(probes.values()), dtype=float).reshape(-1, 3)
+    out = []
+    for k, triangles in fields.differing_sides(points) if names else []:
+        own, other = (_side(mesh, *triangles[order]) for order in ([0, 1], [1, 0]))
+        out.append(
+            f"probe {names[k]}: at {place(points[k])} moments or stresses jump; the values are those {own}, where the "
+            f"stress is largest; move the point a little for those {other}"
+        )
+    return out
+
+
+def _side(mesh: Mesh, triangle: int, other: int) -> str:
+    """The side of a line that a triangle lies on: a surface group that the other does not belong to, or where it is."""
+    for name, group in mesh.groups.items():
+        if group.dimension == 2 and triangle in group.members and other not in group.members:
+            return f"on '{name}'"
+    return f"towards {place(mesh.points[mesh.triangles[triangle]].mean(axis=0))}"
 
 
 def motion_fields(problem: PlateProblem, d: Floats) -> Deferred[Floats]:

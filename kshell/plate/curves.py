@@ -103,6 +103,17 @@ def edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
     return EdgeCurves(edges, out.tangent, out.curvature, out.shape, sharpest, where)
 
 
+def joined_curves(one: EdgeCurves, other: EdgeCurves) -> EdgeCurves:
+    """Two sets of edges as one."""
+    order = np.argsort(np.concatenate([one.edges, other.edges]))
+    edges, tangent, curvature, shape = (
+        np.concatenate([getattr(one, name), getattr(other, name)])[order]
+        for name in ("edges", "tangent", "curvature", "shape")
+    )
+    worse = one if one.sharpest >= other.sharpest else other
+    return EdgeCurves(edges, tangent, curvature, shape, worse.sharpest, worse.sharpest_at)
+
+
 def _lines(ends: Ints) -> list[tuple[NDArray[np.int64], NDArray[np.bool_], bool]]:
     """Chain edges (n, 2) into lines: (positions, whether walked from lower to higher, closed)."""
     touching: dict[int, list[int]] = {}
@@ -215,6 +226,9 @@ def _breaks(
     sides = np.maximum(neighbour(turn, 1), neighbour(turn, -1))
     vertex = np.arange(n) % step == 0
     corner = vertex & (turn > GENTLEST_CORNER) & ((turn > 3 * sides) | (turn > SHARPEST_SMOOTH_TURN))
+    # a zigzag, such as the border of a group on a mesh that does not follow it
+    bends = np.where(vertex & ~corner & (turn > GENTLEST_CORNER), signed, 0.0)
+    corner |= np.any([bends * neighbour(bends, k) < 0.0 for k in (-2, -1, 1, 2)], axis=0)
     # a jump of curvature (an arc that runs into a straight line) stands out from the change before
     # and after it; where the curvature merely varies fast, as on an ellipse, all changes are alike
     ahead, behind = neighbour(bend, 1), neighbour(bend, -1)

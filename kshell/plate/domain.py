@@ -23,7 +23,7 @@ from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.elements.reference import VERTICES, powers
 from kshell.errors import InputError
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
-from kshell.plate.curves import EdgeCurves, edge_curves
+from kshell.plate.curves import EdgeCurves, edge_curves, joined_curves
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -89,19 +89,55 @@ class Domain:
     mesh : Mesh
         Planar; triangles counter-clockwise seen from +z.
     curved : bool
-        Whether to follow curved boundary edges; otherwise every edge is its chord.
+        Whether to follow curved edges; otherwise every edge is its chord.
+    lines : (n,) int array, optional
+        Edges inside that are followed, too, if `curved`; all others inside are their chords.
+
+    Attributes
+    ----------
+    boundary, curves : EdgeCurves
+        Shape of the outer edges, and of these and the lines together.
+    bent : (n,) int array
+        Edges inside that are not their chords.
     """
 
-    def __init__(self, mesh: Mesh, curved: bool) -> None:
+    def __init__(self, mesh: Mesh, curved: bool, lines: Ints | None = None) -> None:
         self.mesh = mesh
         self.points: Floats = np.ascontiguousarray(mesh.points[:, :2])
         none = np.zeros(0, dtype=np.int32)
         self.boundary: EdgeCurves = edge_curves(mesh, mesh.boundary_edges if curved else none)
-        bent = self.boundary.edges[self.boundary.curved]
-        self.curved_triangles: Ints = np.unique(mesh.edge_owner[bent, 0]).astype(np.int64)
+        inner = edge_curves(mesh, none if lines is None or not curved else lines.astype(np.int32))
+        self.curves: EdgeCurves = joined_curves(self.boundary, inner) if len(inner.edges) else self.boundary
+        self.bent: Ints = inner.edges[inner.curved].astype(np.int64)
+        curved_edges = self.curves.edges[self.curves.curved]
+        self.curved_triangles: Ints = np.unique(mesh.edge_owner[curved_edges, 0]).astype(np.int64)
+        if len(self.bent):
+            self.curved_triangles = np.union1d(self.curved_triangles, self.sides(self.bent)[1])
         self._latest: list[tuple[Ints, AffineTriangles]] = []
         self.is_curved = np.zeros(len(mesh.triangles), dtype=bool)
         self.is_curved[self.curved_triangles] = True
+
+    @cached_property
+    def _last(self) -> Ints:
+        """(edge,) the last triangle at each edge: the other one where two meet."""
+        last = np.empty(len(self.mesh.edges), dtype=np.int64)
+        last[self.mesh.triangle_edges] = np.arange(len(self.mesh.triangles))[:, None]
+        return last
+
+    def sides(self, edges: Ints) -> Ints:
+        """(2, n) the triangles at edges, the same one twice at the boundary."""
+        return np.stack([self.mesh.edge_owner[edges, 0].astype(np.int64), self._last[edges]])
+
+    def tangents(self, edges: Ints) -> Floats:
+        """(n, end, 2) unit tangents of edges at both ends, from the lower to the higher vertex."""
+        ends = self.points[self.mesh.edges[edges]]
+        chord = (ends[:, 1] - ends[:, 0]) / self.mesh.edge_lengths[edges][:, None]
+        out = np.repeat(chord[:, None], 2, axis=1)
+        if len(self.curves.edges):
+            place = np.minimum(self.curves.place(edges), len(self.curves.edges) - 1)
+            here = self.curves.edges[place] == edges
+            out[here] = self.curves.tangent[place[here]]
+        return out
 
     def affine(self, triangles: Ints) -> AffineTriangles:
         """The straight triangles; what was computed of the last few batches is kept."""
@@ -158,7 +194,7 @@ class Domain:
         barycentric = np.stack([1 - xi[:, 0] - xi[:, 1], xi[:, 0], xi[:, 1]], axis=1)  # (point, vertex)
         shift = np.zeros((len(block), len(xi), 2))
         gradient = np.zeros((len(block), len(xi), 2, 2))
-        curves = self.boundary
+        curves = self.curves
         for k, (v, w) in enumerate(EDGE_VERTICES):
             edge = self.mesh.triangle_edges[block, k]
             place = np.minimum(curves.place(edge), len(curves.edges) - 1)
@@ -180,28 +216,21 @@ class Domain:
                 gradient[chosen] += (product[:, None] * slope)[..., None] * d_s
         return shift, gradient
 
-    def edge_patch(self, edges: Ints, count: int) -> EdgePatch:
-        """Gauss points along edges; boundary edges follow their true shape."""
+    def edge_patch(self, edges: Ints, count: int, side: int = 0) -> EdgePatch:
+        """Gauss points along edges, seen from one side; boundary edges and lines follow their true shape."""
         s, w = interval_rule(count)
-        return self.edge_points(edges, s, w)
+        return self.edge_points(edges, s, w, side)
 
-    def edge_points(self, edges: Ints, s: Floats, w: Floats) -> EdgePatch:
+    def edge_points(self, edges: Ints, s: Floats, w: Floats, side: int = 0) -> EdgePatch:
         """Given points s in [0, 1] (from the lower to the higher vertex) along edges."""
         edges = np.asarray(edges, dtype=np.int64)
         triangle, local = self.mesh.edge_owner[edges].T
+        if side:
+            triangle = self._last[edges]
+            local = np.argmax(self.mesh.triangle_edges[triangle] == edges[:, None], axis=1)
         ends = self.mesh.edges[edges]
         a, b = self.points[ends[:, 0]], self.points[ends[:, 1]]
-        speed = np.repeat((b - a)[:, None], len(s), axis=1)
-        offset = speed * s[:, None]  # from a
-        bend = np.zeros_like(speed)  # second derivative by s
-        curves = self.boundary
-        place = np.minimum(curves.place(edges), max(len(curves.edges) - 1, 0))
-        if len(curves.edges):
-            here = np.flatnonzero((curves.edges[place] == edges) & curves.curved[place])
-            bubble, slope, second = (curves.deviation(place[here], s, order) for order in range(3))
-            offset[here] += bubble
-            speed[here] += slope
-            bend[here] = second
+        offset, speed, bend = self._motion(edges, b - a, s)
         length = np.hypot(speed[..., 0], speed[..., 1])
         affine = self.affine(triangle)
         xy = a[:, None] + offset
@@ -210,7 +239,7 @@ class Domain:
         # local edges (0, 1), (1, 2), (0, 2): the last one runs against the counter-clockwise sense
         outward = affine.sense[np.arange(len(edges)), local] * np.where(local == 2, -1.0, 1.0)
         xi = affine.reference_coordinates(xy)
-        if not self.boundary.curved.any():
+        if not self.curves.curved.any():
             xi = self._on_chord(local, affine.sense[np.arange(len(edges)), local], s)
         tangent = speed / length[..., None]
         across = bend - (bend * tangent).sum(axis=-1, keepdims=True) * tangent
@@ -223,6 +252,26 @@ class Domain:
             normal * outward[:, None, None],
             across / length[..., None] ** 2,
         )
+
+    def _motion(self, edges: Ints, chord: Floats, s: Floats) -> tuple[Floats, Floats, Floats]:
+        """gamma(s) less its first point, and its first and second derivatives by s: (n, point, 2)."""
+        speed = np.repeat(chord[:, None], len(s), axis=1)
+        offset = speed * s[:, None]
+        bend = np.zeros_like(speed)
+        curves = self.curves
+        place = np.minimum(curves.place(edges), max(len(curves.edges) - 1, 0))
+        if len(curves.edges):
+            here = np.flatnonzero((curves.edges[place] == edges) & curves.curved[place])
+            bubble, slope, second = (curves.deviation(place[here], s, order) for order in range(3))
+            offset[here] += bubble
+            speed[here] += slope
+            bend[here] = second
+        return offset, speed, bend
+
+    def edge_motion(self, edges: Ints, s: Floats) -> tuple[Floats, Floats]:
+        """First and second derivatives (n, point, 2) of edges by s in [0, 1], from the lower to the higher vertex."""
+        ends = self.points[self.mesh.edges[edges]]
+        return self._motion(edges, ends[:, 1] - ends[:, 0], s)[1:]
 
     @staticmethod
     def _on_chord(local: Ints, sense: Floats, s: Floats) -> Floats:

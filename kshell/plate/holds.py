@@ -43,7 +43,7 @@ ALONG_Y = np.array([[0, 1.0, 0, 0], [0, 0, 0, 1], [0, 0, 2, 0]])
 
 @dataclass
 class CurvedHold(Form):
-    """The terms of one support on curved boundary edges, as a quadratic form.
+    """The terms of one support on curved edges, as a quadratic form.
 
     Attributes
     ----------
@@ -52,6 +52,8 @@ class CurvedHold(Form):
         Whether the deflection is held.
     slope : bool
         Whether the rotation about the edge is held.
+    side : int
+        Of an edge inside, which of its two triangles: 0 or 1.
     """
 
     domain: Domain
@@ -60,11 +62,12 @@ class CurvedHold(Form):
     edges: Ints
     value: bool
     slope: bool
+    side: int = 0
 
     everywhere: bool = field(default=False, init=False)
 
     def __post_init__(self) -> None:
-        self.patch = self.domain.edge_patch(self.edges, POINTS)
+        self.patch = self.domain.edge_patch(self.edges, POINTS, self.side)
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         yield np.arange(len(self.edges)), self.patch.triangles
@@ -98,7 +101,7 @@ class CurvedHold(Form):
         d = np.abs(self.bending.at(triangles, self.patch.xy[positions])).max(axis=(1, 2, 3))
         return (d / h**3)[:, None, None], (d / h)[:, None, None]
 
-    def _rows(self, positions: Ints, transform: Floats) -> _Rows:
+    def _rows(self, positions: Ints, transform: Floats) -> Rows:
         patch = self.patch
         triangles, xi, xy = patch.triangles[positions], patch.xi[positions], patch.xy[positions]
         affine = self.domain.affine(triangles)
@@ -121,7 +124,7 @@ class CurvedHold(Form):
         shear_x, shear_y = along_x[:, :, 0] + along_y[:, :, 2], along_x[:, :, 2] + along_y[:, :, 1]
         twist_change = _apply(_pair(n, t), along_s) + _apply(_pair(n_s, t) + _pair(n, k), moment)
         gradient = rows(1)
-        return _Rows(
+        return Rows(
             value=rows(0)[:, :, 0],
             slope=n[..., 0, None] * gradient[:, :, 0] + n[..., 1, None] * gradient[:, :, 1],
             moment=_apply(_pair(n, n), moment),
@@ -160,7 +163,7 @@ class HoldLoad:
 
 
 @dataclass(frozen=True)
-class _Rows:
+class Rows:
     """w, w_n, M_nn and V at the points of edges as rows (n, point, local)."""
 
     value: Floats

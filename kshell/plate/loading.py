@@ -221,15 +221,6 @@ class CurvatureLoad:
     def times(self, factor: float) -> CurvatureLoad:
         return replace(self, curvature=lambda xy: factor * self.curvature(xy))
 
-    def energy(self) -> float:
-        """Half the integral of kappa_0^T D kappa_0."""
-        total = 0.0
-        for patch in self.bending.domain.patches(2 * LOAD_DEGREE, self.triangles):
-            k = self.curvature(patch.xy)[..., None]
-            d = self.bending.stiffness(patch.triangles, patch.xy, patch.weights)
-            total += float((np.swapaxes(k, 2, 3) @ d @ k).sum()) / 2
-        return total
-
     def resultant(self, origin: Floats) -> Floats:
         return np.zeros(3)  # self-equilibrated
 

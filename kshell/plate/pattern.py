@@ -102,11 +102,7 @@ class Pattern:
         layout = reduction.layout
         mesh, b = layout.mesh, layout.per_vertex
         self.reduction = reduction
-        n_vertices = len(mesh.points)
-        free = reduction.unknown >= 0
-        sizes = np.concatenate(
-            [free[: b * n_vertices].reshape(n_vertices, b).sum(axis=1), free[b * n_vertices :]]
-        ).astype(np.int64)
+        sizes = reduction.sizes
         starts = np.concatenate([[0], np.cumsum(sizes)])  # first unknown of each node
 
         self.pairs = NodePairs(mesh)
@@ -157,7 +153,8 @@ class Pattern:
         per_vertex = self.reduction.layout.per_vertex
         out = self._block[self.pairs.of_triangles(triangles)].astype(np.intp)  # (n, 6, 6)
         if per_vertex > 1:
-            local_node = np.concatenate([np.repeat(np.arange(3), per_vertex), [3, 4, 5]])
+            at_each = (unknown.shape[1] - 3) // 3  # columns of a vertex, more where lines cross the plate
+            local_node = np.concatenate([np.repeat(np.arange(3), at_each), [3, 4, 5]])
             mesh = self.reduction.layout.mesh
             nodes = np.concatenate(
                 [mesh.triangles[triangles], len(mesh.points) + mesh.triangle_edges[triangles]], axis=1

@@ -51,7 +51,7 @@ class PlatePoints:
     def _locator(self) -> Locator:
         """Of the triangles in the plane z = 0, of order 2 where there are curved edges."""
         domain, mesh = self.domain, self.domain.mesh
-        curves = domain.boundary
+        curves = domain.curves
         nodes = domain.points[mesh.triangles]
         if curves.curved.any():
             middles = domain.points[mesh.edges].mean(axis=1)
@@ -67,5 +67,42 @@ class PlatePoints:
         tolerance = np.where(self.domain.is_curved[triangles], AT_CURVE, ROUNDING)
         close = found.distance < tolerance * np.sqrt(np.abs(affine.determinant))
         nearest[close] = xy[close]
+        if len(self.domain.bent):
+            triangles = self._across_lines(triangles, nearest)
+            affine = self.domain.affine(triangles)
         xi = affine.reference_coordinates(nearest[:, None])
         return Located(triangles, xi, nearest, np.where(close, 0.0, found.distance))
+
+    def _across_lines(self, triangles: Ints, xy: Floats) -> Ints:
+        """The triangles on the true side of curved edges inside, for points between chord and curve."""
+        domain, mesh = self.domain, self.domain.mesh
+        out = triangles.copy()
+        for k in range(3):
+            edges = mesh.triangle_edges[triangles, k].astype(np.int64)
+            at = np.flatnonzero(np.isin(edges, domain.bent))
+            if not len(at):
+                continue
+            edges = edges[at]
+            a, b = (domain.points[mesh.edges[edges, end]] for end in range(2))
+            chord, offset = b - a, xy[at] - a
+            square = (chord**2).sum(axis=1)
+            place = domain.curves.place(edges)
+            s = np.clip((offset * chord).sum(axis=1) / square, 0.0, 1.0)
+            for _ in range(2):  # the curve drifts a little along its chord
+                shift = _deviation(domain, place, s)
+                s = np.clip(((offset - shift) * chord).sum(axis=1) / square, 0.0, 1.0)
+            beyond = offset - _deviation(domain, place, s) - s[:, None] * chord
+            normal = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
+            own = domain.points[mesh.triangles[triangles[at]]].mean(axis=1) - a
+            other_side = (beyond * normal).sum(axis=1) * (own * normal).sum(axis=1) < 0
+            sides = domain.sides(edges)
+            other = np.where(sides[0] == triangles[at], sides[1], sides[0])
+            out[at[other_side]] = other[other_side]
+        return out
+
+
+def _deviation(domain: Domain, place: Ints, s: Floats) -> Floats:
+    """(n, 2) from chord to curve, each edge at its own s."""
+    shape = domain.curves.shape[place]
+    phi = ((shape[:, 3] * s[:, None] + shape[:, 2]) * s[:, None] + shape[:, 1]) * s[:, None] + shape[:, 0]
+    return (s * (1 - s))[:, None] * phi

@@ -10,17 +10,22 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements import ElementArgyris, ElementMorley, PlateElement
+from kshell.elements import ElementArgyris, ElementMorley, PlateElement, matrices
 from kshell.material.laminate import require_symmetric
 from kshell.mesh.check import plate_problems
-from kshell.mesh.words import place
+from kshell.mesh.words import count, place
 from kshell.plate.assembly import Assembled, assemble, assemble_load
+from kshell.plate.conditions import SharedSlopes
 from kshell.plate.corners import singular_corners
 from kshell.plate.domain import Domain
+from kshell.plate.fans import make_fans
 from kshell.plate.forms import Bending, Form
 from kshell.plate.layout import Layout
+from kshell.plate.lines import inner_lines
+from kshell.plate.loading import LOAD_DEGREE
 from kshell.plate.loads import Loads, apply_loads
 from kshell.plate.pattern import FullPattern, Pattern
+from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import require_held
 from kshell.plate.space import plate_space
@@ -61,16 +66,21 @@ class PlateProblem:
         plate_problems(self.mesh)
         if self.section.laminate is not None:
             require_symmetric(self.section.laminate)
-        self.domain = Domain(self.mesh, curved=element.maxdeg > 2)
-        self.layout = Layout(self.mesh, element)
+        quintic = element.maxdeg > 2
+        self.lines = inner_lines(structure) if quintic else None
+        followed = None if self.lines is None else np.flatnonzero(self.lines.lines)
+        self.domain = Domain(self.mesh, quintic, followed)
+        fans = None if self.lines is None else make_fans(self.domain, self.lines)
+        self.layout = Layout(self.mesh, element, fans, self.domain.bent)
         self.bending = Bending(self.domain, element, self.section)
         self.supports: Supports = apply_supports(structure.supports, self.domain, self.layout, self.bending)
         self.loads: Loads = apply_loads(structure.loads, self.domain, self.layout, self.bending, self.section)
         springs = [form for _, form in self.supports.springs]
         require_held(self.domain, self.layout, self.supports.conditions, springs)
-        self.reduction = Reduction(self.layout, self.supports.conditions)
+        shared = shared_slopes(self.domain, element) if len(self.domain.bent) else None
+        self.reduction = Reduction(self.layout, self.supports.conditions, shared)
         holds = [form for _, form in self.supports.holds]
-        self.forms: list[Form] = [self.bending, *springs, *holds]
+        self.forms: list[Form] = [self.bending, *springs, *holds, *self.supports.ties]
 
     @property
     def small(self) -> bool:
@@ -140,18 +150,38 @@ class PlateProblem:
             return elastic, work
         fixed, fixed_work = assemble_load(list(self.loads.curvatures), self.domain, self.reduction)
         pull = float(q @ fixed) + fixed_work
-        stored = sum(c.energy() for c in self.loads.curvatures)
-        return elastic - pull + stored, work - 0.5 * pull
+        return elastic - pull + self._held_back(), work - 0.5 * pull
+
+    def _held_back(self) -> float:
+        """Energy of the initial curvatures, all together, in a plate that does not bend."""
+        total = 0.0
+        for patch in self.domain.patches(2 * LOAD_DEGREE):
+            k = self.loads.initial_curvature(patch.triangles, patch.xy)[..., None]
+            d = self.bending.stiffness(patch.triangles, patch.xy, patch.weights)
+            total += float((np.swapaxes(k, 2, 3) @ d @ k).sum()) / 2
+        return total
+
+    def fields(self, d: Floats) -> Fields:
+        """What can be read off physical degrees of freedom."""
+        jump = None if self.lines is None else self.lines.jump
+        return Fields(self.domain, self.layout, self.bending, self.section, self.loads, d, jump)
 
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
         known = self.domain.boundary if self.element.maxdeg > 2 else None  # Morley keeps to the chords
         corners = singular_corners(self.mesh, self.supports, known)
         out = [*self.supports.warnings, *self.loads.warnings, *corners]
-        boundary = self.domain.boundary
+        ends = self.layout.fans.ends
+        if len(ends):
+            out.append(
+                "lines of supports, or of jumps of the stiffness, end or turn inside the plate at "
+                f"{count(len(ends), 'vertex', 'vertices')}, one at {place(self.mesh.points[ends[0]])}: moments grow "
+                "without bound there, values near it depend on the mesh; refine the mesh towards it"
+            )
+        boundary = self.domain.curves
         if boundary.sharpest > BLUNT_CORNER:
             out.append(
-                f"the boundary turns by {np.degrees(boundary.sharpest):.0f} degrees at a vertex near "
+                f"the edge, or a line inside, turns by {np.degrees(boundary.sharpest):.0f} degrees at a vertex near "
                 f"{place(boundary.sharpest_at)} and is taken as a smooth curve there, because it turns alike at the "
                 "neighbouring vertices; if it is a corner, use two or more elements on each side of it, if it is a "
                 "curve, refine it"
@@ -166,3 +196,16 @@ class PlateProblem:
         if not self.loads.forms and not np.any(self.reduction.particular):
             out.append("there is no load and no prescribed motion: the deflection is zero")
         return out
+
+
+def shared_slopes(domain: Domain, element: PlateElement) -> SharedSlopes:
+    """The slopes that both triangles at a curved edge inside have in common, at its true middle."""
+    edges = domain.bent
+    first, second = (domain.edge_points(edges, np.array([0.5]), np.ones(1), side) for side in range(2))
+    rows = []
+    for patch in (first, second):
+        affine = domain.affine(patch.triangles)
+        gradient = matrices.rows(element, affine, patch.xi, 1, element.transformation(affine))
+        rows.append((first.normal[:, :, None, :] @ gradient)[:, 0, 0])
+    triangles = np.concatenate([first.triangles, second.triangles])
+    return SharedSlopes(np.concatenate([edges, edges]), triangles, np.concatenate(rows))

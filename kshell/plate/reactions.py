@@ -54,7 +54,11 @@ class ReactionFinder:
     ) -> None:
         self.domain, self.layout, self.reduction, self.supports = domain, layout, reduction, supports
         self.bending = bending
-        self.forms: list[Form] = [bending, *[form for _, form in [*supports.springs, *supports.holds]]]
+        self.forms: list[Form] = [
+            bending,
+            *[form for _, form in [*supports.springs, *supports.holds]],
+            *supports.ties,
+        ]
         mesh = domain.mesh
         self.centre = 0.5 * (domain.points.min(axis=0) + domain.points.max(axis=0))
         self.size = float(np.abs(domain.points - self.centre).max())
@@ -92,13 +96,13 @@ class ReactionFinder:
         return 1.0 / np.maximum(count, 1.0)
 
     def _release_slopes(self, r: Floats) -> Floats:
-        """Reaction moments of slopes held at curved edges; their rows are taken out of the residual."""
+        """Reaction moments of slopes at curved edges; their rows are taken out of the residual."""
         reduction = self.reduction
         moments = np.zeros(len(reduction.slave_edges))
         for t, chosen in reduction.slaves_by_triangle.items():
             dofs = self.layout.triangle_dofs(np.array([t]))[0]
             rows = reduction.slave_rows[chosen]
-            own = self.layout.edge_dofs(reduction.slave_edges[chosen])
+            own = reduction.slave_slots[chosen]
             local = np.array([int(np.flatnonzero(dofs == dof)[0]) for dof in own])
             moments[chosen] = np.linalg.solve(rows[:, local].T, r[own])
             r[dofs] -= moments[chosen] @ rows
@@ -124,14 +128,12 @@ class ReactionFinder:
         t = (ends[:, 1] - ends[:, 0]) / self.domain.mesh.edge_lengths[edges][:, None]
         normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
         moment = r[self.layout.edge_dofs(edges)] * weight
-        slave = self.reduction.slave_edges
-        if len(slave):
-            place_in = np.minimum(np.searchsorted(slave, edges), len(slave) - 1)
-            bent = slave[place_in] == edges
-            if bent.any():
-                patch = self.domain.edge_points(edges[bent], np.array([0.5]), np.ones(1))
-                normal[bent] = patch.normal[:, 0]
-                moment[bent] = slopes[place_in[bent]] * weight[bent]
+        bent = np.isin(edges, self.reduction.slave_edges)
+        if bent.any():
+            patch = self.domain.edge_points(edges[bent], np.array([0.5]), np.ones(1))
+            normal[bent] = patch.normal[:, 0]
+            total = np.bincount(self.reduction.slave_edges, slopes, len(self.domain.mesh.edges))
+            moment[bent] = total[edges[bent]] * weight[bent]
         return np.array([0.0, (moment * normal[:, 1]).sum(), -(moment * normal[:, 0]).sum()])
 
     def _spring_force(self, form: Form, d: Floats) -> Floats:

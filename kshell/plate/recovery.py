@@ -1,8 +1,9 @@
 """Deflection, rotation, moments, shear forces and stresses from a solution.
 
 Moments are M = -D (kappa - kappa_0), kappa = (w_xx, w_yy, 2 w_xy); shear forces Q = div M. With Argyris
-all of them come from the polynomial of the triangle, at vertices averaged over the triangles around,
-weighted by area (moments are continuous there unless the stiffness jumps). Morley has one moment per
+all of them come from the polynomial of the triangle, at vertices averaged over the triangles of a fan,
+weighted by area: where lines of discontinuity meet a vertex there is a value for each fan, and the one with the
+largest stress stands for the vertex, as it does for points on such a line. Morley has one moment per
 triangle: vertex values come from a linear least-squares fit over the triangles around each vertex
 (Zienkiewicz & Zhu, Int. J. Numer. Meth. Eng. 33 (1992) 1331-1364), values between from the vertices.
 """
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from kshell.elements import matrices
 from kshell.elements.reference import VERTICES
 from kshell.material.section import Section
+from kshell.material.tensors import von_mises
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
@@ -28,6 +30,9 @@ from kshell.plate.supports import points_3d
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+ON_EDGE = 1e-9  # barycentric coordinate up to which a point lies on an edge
+SAME = 1e-9  # stresses that differ by rounding
+DIFFERENT = 1e-4  # part of the largest moment by which moments on both sides of a line differ noticeably
 STEP = 1e-5  # of a triangle's size: differences of a varying stiffness
 
 
@@ -38,15 +43,25 @@ class Fields:
     ----------
     d : (dof,) array
         Physical degrees of freedom.
+    jump : (edge,) bool array, optional
+        Edges across which moments may jump.
     """
 
     def __init__(
-        self, domain: Domain, layout: Layout, bending: Bending, section: Section, loads: Loads, d: Floats
+        self,
+        domain: Domain,
+        layout: Layout,
+        bending: Bending,
+        section: Section,
+        loads: Loads,
+        d: Floats,
+        jump: NDArray[np.bool_] | None = None,
     ) -> None:
         self.domain, self.layout, self.bending = domain, layout, bending
         self.section, self.loads, self.d = section, loads, d
         self.element = layout.element
         self.polynomial_moments = self.element.maxdeg > 2
+        self._jump = jump if jump is not None and jump.any() else None
 
     def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
         """Derivatives of one order at reference points, (n, point, partial); order 2 is w_xx, w_yy, 2 w_xy."""
@@ -131,6 +146,18 @@ class Fields:
     @cached_property
     def vertex_forces(self) -> tuple[Floats, Floats]:
         """Moments (vertex, 3) and shear forces (vertex, 2)."""
+        moment, shear = self.fan_forces
+        return (moment, shear) if self._shown is None else (moment[self._shown], shear[self._shown])
+
+    @cached_property
+    def vertex_stresses(self) -> tuple[Floats, Floats]:
+        """Stresses (vertex, 3) at the top and the bottom."""
+        top, bottom = self.fan_stresses
+        return (top, bottom) if self._shown is None else (top[self._shown], bottom[self._shown])
+
+    @cached_property
+    def fan_forces(self) -> tuple[Floats, Floats]:
+        """Moments (fan, 3) and shear forces (fan, 2) at the vertices, of each fan (`Layout.fans`)."""
         if not self.polynomial_moments:
             return self._fitted_moments
         xy = self.domain.points[self.domain.mesh.triangles]
@@ -138,21 +165,33 @@ class Fields:
         return moment, self._average(self.shear(self._triangles, VERTICES, xy))
 
     @cached_property
-    def vertex_stresses(self) -> tuple[Floats, Floats]:
-        """Stresses (vertex, 3) at the top and the bottom."""
-        mesh = self.domain.mesh
-        first = np.zeros(len(mesh.points), dtype=np.int64)
-        first[mesh.triangles.ravel()] = np.repeat(self._triangles, 3)
-        return self.stresses(self.vertex_forces[0], first, self.domain.points)
+    def fan_stresses(self) -> tuple[Floats, Floats]:
+        """Stresses (fan, 3) at the top and the bottom."""
+        fans = self.layout.fans
+        first = np.zeros(len(fans.vertex), dtype=np.int64)
+        first[fans.corner.ravel()] = np.repeat(self._triangles, 3)
+        return self.stresses(self.fan_forces[0], first, self.domain.points[fans.vertex])
+
+    @cached_property
+    def _shown(self) -> Ints | None:
+        """(vertex,) the fan with the largest von Mises stress at each vertex; None where there is one each."""
+        fans = self.layout.fans
+        if not fans.extra:
+            return None
+        size = np.max([von_mises(stress) for stress in self.fan_stresses], axis=0)
+        order = np.lexsort(
+            (-np.arange(len(size)), size, fans.vertex)
+        )  # the largest last, of equals the first fan
+        last = np.flatnonzero(np.append(np.diff(fans.vertex[order]) > 0, True))
+        return order[last]
 
     def _average(self, values: Floats) -> Floats:
-        """Mean over the triangles around each vertex, by area, of values (triangle, corner, component)."""
-        mesh = self.domain.mesh
-        corner = mesh.triangles.ravel()
-        weight = np.repeat(mesh.areas, 3)
-        total = np.bincount(corner, weight, len(mesh.points))
+        """Mean over the triangles of each fan, by area, of values (triangle, corner, component)."""
+        corner, n = self.layout.fans.corner.ravel(), len(self.layout.fans.vertex)
+        weight = np.repeat(self.domain.mesh.areas, 3)
+        total = np.bincount(corner, weight, n)
         flat = values.reshape(len(corner), -1)
-        sums = [np.bincount(corner, weight * flat[:, k], len(mesh.points)) for k in range(flat.shape[1])]
+        sums = [np.bincount(corner, weight * flat[:, k], n) for k in range(flat.shape[1])]
         return np.stack(sums, axis=1) / np.where(total > 0, total, 1.0)[:, None]
 
     @cached_property
@@ -205,6 +244,69 @@ class Fields:
         """For values anywhere."""
         return PlatePoints(self.domain)
 
+    def find(self, points: Floats) -> Located:
+        """The triangles of points (n, 3) or (n, 2); on a line of discontinuity those of the side of larger stress."""
+        found = self.locator.find(np.asarray(points, dtype=float)[:, :2])
+        for k in self._on_lines(found):
+            sides = self.sides(found.triangles[k], found.xy[k])
+            _, *stresses = self._forces_and_stresses(sides, found.xy[k])
+            size = np.max([von_mises(stress) for stress in stresses], axis=0)
+            found.triangles[k] = sides[int(np.argmax(size > (1 - SAME) * size.max()))]
+            found.xi[k] = self.domain.affine(found.triangles[[k]]).reference_coordinates(found.xy[None, [k]])[
+                0
+            ]
+        return found
+
+    def _on_lines(self, found: Located) -> Ints:
+        """Which points lie on a line of discontinuity, or on a vertex of one."""
+        if self._jump is None:
+            return np.zeros(0, dtype=np.int64)
+        x, y = found.xi[:, 0].T
+        at_edge = np.stack([y, 1 - x - y, x], axis=1) < ON_EDGE  # local edges (0, 1), (1, 2), (0, 2)
+        edges = self.domain.mesh.triangle_edges[found.triangles]
+        on_line = (self._jump[edges] & at_edge & ~np.isin(edges, self.domain.bent)).any(axis=1)
+        return np.flatnonzero(on_line | ((at_edge.sum(axis=1) > 1) & self._at_vertex(found)))
+
+    def _at_vertex(self, found: Located) -> NDArray[np.bool_]:
+        """Whether any corner of the triangles has several fans."""
+        several = np.bincount(self.layout.fans.vertex) > 1
+        return np.any(several[self.domain.mesh.triangles[found.triangles]], axis=1)
+
+    def sides(self, triangle: int, xy: Floats) -> Ints:
+        """The triangles that a point (2,) of one of them belongs to, within rounding, in order."""
+        mesh = self.domain.mesh
+        near = np.flatnonzero(np.isin(mesh.triangles, mesh.triangles[triangle]).any(axis=1))
+        xi = self.domain.affine(near).reference_coordinates(np.broadcast_to(xy, (len(near), 1, 2)))[:, 0]
+        depth = np.minimum(xi.min(axis=1), 1 - xi.sum(axis=1))
+        return near[depth > -ON_EDGE]
+
+    def _forces_and_stresses(self, triangles: Ints, xy: Floats) -> tuple[Floats, Floats, Floats]:
+        """(n, 3) moments and stresses at the top and the bottom of some triangles at one point (2,)."""
+        at = np.broadcast_to(xy, (len(triangles), 1, 2))
+        xi = self.domain.affine(triangles).reference_coordinates(at)
+        moment = self.moment(triangles, xi, at)[:, 0]
+        return moment, *self.stresses(moment, triangles, at[:, 0])
+
+    def differing_sides(self, points: Floats) -> list[tuple[int, Ints]]:
+        """Which of some points (n, 3) lie where moments or stresses jump.
+
+        Returns
+        -------
+        list of (point, triangles)
+            The triangle whose values are used, then those whose values differ.
+        """
+        found = self.find(points)
+        out = []
+        for k in self._on_lines(found):
+            sides = self.sides(found.triangles[k], found.xy[k])
+            other = np.zeros(len(sides), dtype=bool)
+            for values in self._forces_and_stresses(sides, found.xy[k]):
+                own = values[sides == found.triangles[k]][0]
+                other |= np.abs(values - own).max(axis=1) > DIFFERENT * np.abs(values).max()
+            if other.any():
+                out.append((int(k), np.concatenate([[found.triangles[k]], sides[other]])))
+        return out
+
     def at(self, points: Floats) -> dict[str, Floats]:
         """Fields at points (n, 3) or (n, 2), or at the nearest points of the plate.
 
@@ -214,8 +316,7 @@ class Fields:
             x (n, 3), u (n, 3), rotation (n, 3), M (n, 3), Q (n, 2), stress_top, stress_bottom (n, 3),
             distance (n,) to the point used.
         """
-        xy = np.asarray(points, dtype=float)[:, :2]
-        found = self.locator.find(xy)
+        found = self.find(points)
         w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
         gradient = self.derivatives(found.triangles, found.xi, 1)[:, 0]
         moment, shear = self._forces(found)

@@ -1,19 +1,21 @@
 """From conditions on single vertices and edges to the unknowns that remain.
 
-Conditions are rows acting on the (scaled) degrees of freedom of one vertex, whole edge degrees of
+Conditions are rows acting on the (scaled) degrees of freedom of one fan of a vertex, whole edge degrees of
 freedom, or, for slopes on curved edges, rows acting on one triangle. At each vertex the null space of its
-rows gives the free directions, so corners, oblique edges and changes of support need no special case.
+rows, and of those that tie its fans, gives the free directions, so corners, oblique edges, changes of support and
+supports that meet lines of discontinuity need no special case.
 
 Symbols
 -------
 d    degrees of freedom (layout order, scaled);  q  unknowns;  d = T q + g
-B    orthonormal basis at a vertex: free directions first, then the fixed ones
+z    those of a vertex: w, w_x, w_y, then w_xx, w_xy, w_yy of each of its fans
+B    orthonormal basis of z: free directions first, then the fixed ones
+s    slope at the true middle of a curved edge inside, common to its two triangles
 """
 
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +23,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.plate.conditions import Conditions, SharedSlopes
 from kshell.plate.layout import Layout
 
 Floats = NDArray[np.float64]
@@ -30,43 +33,9 @@ Ints = NDArray[np.int64]
 # symmetry at a right angle the rows depend on each other; the tangent of a coarse arc is off by up to 0.03,
 # which makes that eigenvalue 4e-4. True corners of 12 degrees and more start at 9e-4.
 DEPENDENT = 5e-4
+TIE = 5.0  # weight of the rows that tie fans: lines that turn by more than half a degree are not straight
+ABSENT = 1e6  # eigenvalue of the places of z that a vertex does not have
 CONFLICT = 1e-4  # values read off curved edges by interpolation agree only so far
-
-
-@dataclass
-class Conditions:
-    """Rows collected from the supports.
-
-    Attributes
-    ----------
-    vertices, rows, values
-        Lists of (n,) vertex numbers, (n, per_vertex) rows on scaled degrees of freedom, (n,) values.
-    edges
-        List of (n,) edges whose degree of freedom is fixed at zero.
-    triangle_edges, triangles, triangle_rows
-        Lists of (n,) edges, (n,) triangles and (n, local) rows on physical degrees of freedom that
-        determine the edges' degrees of freedom from the others of the triangle.
-    slope_vertices, slopes
-        Lists of (n,) vertices and (n, 2) directions in which the slope vanishes, for multigrid: what holds
-        along an edge, whether the element has gradients at its vertices or not.
-    """
-
-    vertices: list[Ints] = field(default_factory=list)
-    rows: list[Floats] = field(default_factory=list)
-    values: list[Floats] = field(default_factory=list)
-    edges: list[Ints] = field(default_factory=list)
-    triangle_edges: list[Ints] = field(default_factory=list)
-    triangles: list[Ints] = field(default_factory=list)
-    triangle_rows: list[Floats] = field(default_factory=list)
-    slope_vertices: list[Ints] = field(default_factory=list)
-    slopes: list[Floats] = field(default_factory=list)
-
-    def at_vertices(self, vertices: NDArray[np.integer], rows: Floats, values: Floats | float = 0.0) -> None:
-        """Add one row per vertex; rows are normalised here."""
-        size = np.linalg.norm(rows, axis=1)
-        self.vertices.append(np.asarray(vertices, dtype=np.int64))
-        self.rows.append(rows / size[:, None])
-        self.values.append(np.broadcast_to(np.asarray(values, dtype=float), size.shape) / size)
 
 
 class Reduction:
@@ -76,56 +45,116 @@ class Reduction:
     ----------
     layout : Layout
     conditions : Conditions
+    shared : SharedSlopes, optional
+        Of the curved edges inside.
 
     Attributes
     ----------
     count : int
         Number of unknowns.
     unknown : (dof,) int array
-        Unknown stored at each degree of freedom (at constrained vertices: at each direction of B), or -1.
+        Unknown stored at each degree of freedom (at constrained vertices: at each direction of B, at the slopes of
+        both triangles at a curved edge inside: s), or -1.
+    sizes : (node,) int array
+        Unknowns of each vertex, then of each edge.
     particular : (dof,) array
         g, physical.
     """
 
-    def __init__(self, layout: Layout, conditions: Conditions) -> None:
+    def __init__(self, layout: Layout, conditions: Conditions, shared: SharedSlopes | None = None) -> None:
         self.layout = layout
-        b, n_dofs = layout.per_vertex, layout.count
-        vertices = np.concatenate(conditions.vertices or [np.zeros(0, dtype=np.int64)])
+        b, fans = layout.per_vertex, layout.fans
+        of_row = np.concatenate([*conditions.fans, np.zeros(0, dtype=np.int64)])
         rows = np.concatenate(conditions.rows or [np.zeros((0, b))])
         values = np.concatenate(conditions.values or [np.zeros(0)])
-        self.vertices, inverse = np.unique(vertices, return_inverse=True)
+        self.fan_place = (
+            _place_among_fans(fans.vertex) if fans.extra else np.zeros(len(fans.vertex), np.int64)
+        )
+        if fans.extra:
+            tie_rows = _tie_rows(fans.tangent, self.fan_place[fans.tied], int(self.fan_place.max()))
+            rows = np.concatenate([self._on_vertices(rows, of_row, tie_rows.shape[1]), tie_rows])
+            of_row = np.concatenate([of_row, np.repeat(fans.tied[:, 0], 2)])
+            values = np.append(values, np.zeros(len(tie_rows)))
+        self.vertices, inverse = np.unique(fans.vertex[of_row], return_inverse=True)
+        self.slots = self._vertex_slots(rows.shape[1])
         self.bases, free_counts, scaled = self._vertex_bases(rows, values, inverse)
 
-        is_free = np.ones(n_dofs, dtype=bool)
-        slots = layout.vertex_dofs(self.vertices)
-        is_free[slots.ravel()] = (np.arange(b) < free_counts[:, None]).ravel()
+        present = self.slots >= 0
+        is_free = np.ones(layout.count, dtype=bool)
+        is_free[self.slots[present]] = (np.arange(rows.shape[1]) < free_counts[:, None])[present]
         fixed_edges = np.concatenate(
             [*conditions.edges, *conditions.triangle_edges, np.zeros(0, dtype=np.int64)]
         )
         is_free[layout.edge_dofs(np.unique(fixed_edges.astype(np.int64)))] = False
-        self.unknown = np.where(is_free, np.cumsum(is_free) - 1, -1).astype(np.int32)
+        is_free[layout.first_side :] = False
+        order = np.argsort(layout.node, kind="stable") if layout.count > layout.first_hessian else slice(None)
+        self.unknown = np.full(layout.count, -1, dtype=np.int32)
         self.count = int(is_free.sum())
+        in_order = is_free[order]
+        self.unknown[order] = np.where(in_order, np.cumsum(in_order) - 1, -1)
+        self.sizes = np.bincount(layout.node[is_free], minlength=layout.vertex_count + len(layout.mesh.edges))
 
-        # edges that depend on their triangle; an edge may be asked for twice, by two groups
-        edges = np.concatenate(conditions.triangle_edges or [np.zeros(0, dtype=np.int64)]).astype(np.int64)
-        self.slave_edges, first = np.unique(edges, return_index=True)
-        local = layout.element.count
-        self.slave_triangles = np.concatenate(conditions.triangles or [np.zeros(0, dtype=np.int64)])[first]
-        self.slave_rows = np.concatenate(conditions.triangle_rows or [np.zeros((0, local))])[first]
-
-        self.particular = np.zeros(n_dofs)
-        self.particular[slots.ravel()] = (scaled * layout.scale[slots]).ravel()
+        self._set_slaves(conditions, shared)
+        self.particular = np.zeros(layout.count)
+        self.particular[self.slots[present]] = scaled[present] * layout.scale[self.slots[present]]
         self._fill_slaves(self.particular)
+
+    def _set_slaves(self, conditions: Conditions, shared: SharedSlopes | None) -> None:
+        """Slopes that depend on their triangle; an edge may be asked for twice, by two groups."""
+        local = self.layout.element.count
+        none = np.zeros(0, dtype=np.int64)
+        edges = np.concatenate([*conditions.triangle_edges, none])
+        triangles = np.concatenate([*conditions.triangles, none])
+        rows = np.concatenate([*conditions.triangle_rows, np.zeros((0, local))])
+        if shared is not None:  # behind those that are held, which go first
+            edges = np.concatenate([edges, shared.edges])
+            triangles = np.concatenate([triangles, shared.triangles])
+            rows = np.concatenate([rows, shared.rows])
+        key = edges * len(self.layout.mesh.triangles) + triangles
+        first = np.unique(key, return_index=True)[1]
+        self.slave_edges, self.slave_triangles, self.slave_rows = edges[first], triangles[first], rows[first]
+        second = self.slave_triangles != self.layout.mesh.edge_owner[self.slave_edges, 0]
+        slots = self.layout.edge_dofs(self.slave_edges)
+        if second.any():
+            slots[second] = self.layout.first_side + np.searchsorted(
+                self.layout.bent, self.slave_edges[second]
+            )
+        self.slave_slots = slots
+        self.unknown[slots] = self.unknown[self.layout.edge_dofs(self.slave_edges)]
+
+    def _on_vertices(self, rows: Floats, fans: Ints, width: int) -> Floats:
+        """Rows on fans (n, 6) as rows on z (n, width)."""
+        out = np.zeros((len(rows), width))
+        out[:, :3] = rows[:, :3]
+        at = 3 + 3 * self.fan_place[fans]
+        out[np.arange(len(rows))[:, None], at[:, None] + np.arange(3)] = rows[:, 3:]
+        return out
+
+    def _vertex_slots(self, width: int) -> Ints:
+        """(vertex, width) degree of freedom at each place of z, -1 beyond the fans there are."""
+        layout = self.layout
+        slots = np.full((len(self.vertices), width), -1, dtype=np.int64)
+        slots[:, : layout.per_vertex] = layout.vertex_dofs(self.vertices)
+        if layout.fans.extra:
+            further = np.arange(layout.vertex_count, len(layout.fans.vertex))
+            row = np.searchsorted(
+                self.vertices, layout.fans.vertex[further]
+            )  # all are tied, so all are there
+            at = 3 + 3 * self.fan_place[further]
+            slots[row[:, None], at[:, None] + np.arange(3)] = layout.fan_dofs(further)[:, 3:]
+        return slots
 
     def _vertex_bases(
         self, rows: Floats, values: Floats, inverse: Ints
     ) -> tuple[Floats, NDArray[np.int64], Floats]:
-        """Bases B (vertex, b, b), number of free directions, and the particular solution (scaled)."""
-        b, n = self.layout.per_vertex, len(self.vertices)
+        """Bases B (vertex, width, width), number of free directions, and the particular solution (scaled)."""
+        b, n = rows.shape[1], len(self.vertices)
         gram = np.zeros((n, b, b))
         np.add.at(gram, inverse, rows[:, :, None] * rows[:, None, :])
         right = np.zeros((n, b))
         np.add.at(right, inverse, rows * values[:, None])
+        vertex, absent = np.nonzero(self.slots < 0)
+        gram[vertex, absent, absent] = ABSENT
         eigenvalue, vector = np.linalg.eigh(gram)
         vector[np.abs(vector) < 1e-14] = 0.0
         fixed = eigenvalue > DEPENDENT
@@ -163,16 +192,17 @@ class Reduction:
             table.setdefault(t, []).append(k)
         return table
 
-    def _elimination(self, triangle: int) -> tuple[Ints, Floats]:
-        """Local slave positions of a triangle, and their rows on the other degrees of freedom."""
+    def _elimination(self, triangle: int) -> tuple[Ints, Floats, Floats]:
+        """Local slave positions of a triangle, and their rows on the other degrees of freedom and on s."""
         chosen = self.slaves_by_triangle[triangle]
         edges = self.layout.mesh.triangle_edges[triangle]
         first = 3 * self.layout.per_vertex
         local = np.array([first + int(np.flatnonzero(edges == self.slave_edges[k])[0]) for k in chosen])
         rows = self.slave_rows[chosen]
-        solved: Floats = -np.linalg.solve(rows[:, local], rows).astype(np.float64)
+        inverse = np.linalg.inv(rows[:, local])
+        solved: Floats = -inverse @ rows
         solved[:, local] = 0.0
-        return local, solved
+        return local, solved, inverse
 
     def local_transform(
         self, triangles: Ints, dofs: Ints, transform: Floats
@@ -188,8 +218,9 @@ class Reduction:
 
         Returns
         -------
-        transform : (n, reference dof, local) array
-        unknown : (n, local) int array
+        transform : (n, reference dof, column) array
+            As many columns for each of the three vertices, then one for each edge.
+        unknown : (n, column) int array
             Unknown number of each column, -1 where the column is fixed.
         """
         layout, b = self.layout, self.layout.per_vertex
@@ -197,65 +228,137 @@ class Reduction:
         if self.slaves_by_triangle:
             out = out.copy()
             for k in np.flatnonzero(np.isin(triangles, self.slave_triangles)):
-                local, rows = self._elimination(int(triangles[k]))
-                out[k] += out[k][:, local] @ rows
-                out[k][:, local] = 0.0
+                local, rows, inverse = self._elimination(int(triangles[k]))
+                own = out[k][:, local]
+                out[k] += own @ rows
+                out[k][:, local] = own @ inverse
         out = out * layout.scale[dofs][:, None, :]
         if b == 1:  # nothing to turn: a condition on a single number fixes it
             return out, self.unknown[dofs]
         place = self.vertex_place[layout.mesh.triangles[triangles]]
+        if layout.fans.extra and self._several[layout.mesh.triangles[triangles]].any():
+            return self._between_fans(triangles, dofs, out, place)
         for v in range(3):
             here = np.flatnonzero(place[:, v] >= 0)
             block = slice(v * b, (v + 1) * b)
             if len(here):
-                out[here, :, block] = out[here, :, block] @ self.bases[place[here, v]]
+                out[here, :, block] = out[here, :, block] @ self.bases[place[here, v], :b, :b]
         return out, self.unknown[dofs]
+
+    @cached_property
+    def _several(self) -> NDArray[np.bool_]:
+        """(vertex,) whether a vertex has several fans."""
+        return np.bincount(self.layout.fans.vertex) > 1
+
+    def _between_fans(
+        self, triangles: Ints, dofs: Ints, out: Floats, place: Ints
+    ) -> tuple[Floats, NDArray[np.int32]]:
+        """`local_transform` where vertices have several fans: their unknowns may be more than those of one fan."""
+        layout, b = self.layout, self.layout.per_vertex
+        corners = layout.mesh.triangles[triangles]
+        width = max(b, int(self.sizes[corners].max()))
+        n = len(triangles)
+        wide = np.zeros((n, out.shape[1], 3 * width + 3))
+        unknown = np.full((n, 3 * width + 3), -1, dtype=np.int32)
+        wide[:, :, 3 * width :] = out[:, :, 3 * b :]
+        unknown[:, 3 * width :] = self.unknown[dofs[:, 3 * b :]]
+        row = np.concatenate([np.arange(3), np.zeros(3, dtype=np.int64)])
+        for v in range(3):
+            own = out[:, :, v * b : (v + 1) * b]
+            plain = np.flatnonzero(place[:, v] < 0)
+            wide[plain, :, v * width : v * width + b] = own[plain]
+            unknown[plain, v * width : v * width + b] = self.unknown[dofs[plain, v * b : (v + 1) * b]]
+            here = np.flatnonzero(place[:, v] >= 0)
+            if not len(here):
+                continue
+            at = place[here, v]
+            rows = np.tile(row, (len(here), 1))
+            rows[:, 3:] = (
+                3 + 3 * self.fan_place[layout.fans.corner[triangles[here], v]][:, None] + np.arange(3)
+            )
+            most = min(width, self.bases.shape[2])
+            basis = self.bases[at[:, None], rows, :most]
+            wide[here, :, v * width : v * width + most] = own[here] @ basis
+            slots = self.slots[at, :most]
+            unknown[here, v * width : v * width + most] = np.where(slots >= 0, self.unknown[slots], -1)
+        return wide, unknown
 
     def expand(self, q: Floats) -> Floats:
         """All degrees of freedom d (dof,), physical, from the unknowns."""
         layout = self.layout
         d = np.append(q, 0.0)[self.unknown]  # -1, a fixed direction, takes the last entry
-        slots = layout.vertex_dofs(self.vertices)
-        d[slots.ravel()] = (self.bases @ d[slots][:, :, None]).ravel()
+        present = self.slots >= 0
+        z = np.where(present, d[self.slots], 0.0)
+        d[self.slots[present]] = (self.bases @ z[:, :, None])[..., 0][present]
         d = d * layout.scale
         fixed = self.particular.copy()
         self._fill_slaves(d)
         return d + fixed
 
     def _fill_slaves(self, d: Floats) -> None:
-        """Set the edges that depend on their triangle."""
+        """Set the edges that depend on their triangle; they hold the common slopes before."""
+        found = d.copy()
         for t in self.slaves_by_triangle:
             dofs = self.layout.triangle_dofs(np.array([t]))[0]
-            local, rows = self._elimination(t)
-            d[dofs[local]] = rows @ d[dofs]
+            local, rows, inverse = self._elimination(t)
+            found[dofs[local]] = rows @ d[dofs] + inverse @ d[dofs[local]]
+        d[:] = found
 
     def matrix(self) -> sp.csr_matrix:
         """T as a sparse matrix (dof, unknown), giving physical degrees of freedom."""
-        layout, b = self.layout, self.layout.per_vertex
-        slots = layout.vertex_dofs(self.vertices)  # (vertex, b)
+        layout, width = self.layout, self.slots.shape[1]
+        present = self.slots >= 0  # (vertex, width)
         plain = np.ones(layout.count, dtype=bool)
-        plain[slots.ravel()] = False
+        plain[self.slots[present]] = False
         plain &= self.unknown >= 0
         row = [np.flatnonzero(plain)]
         column = [self.unknown[plain]]
         value = [layout.scale[plain]]
-        grid_row = np.repeat(slots[:, :, None], b, axis=2)
-        grid_column = np.repeat(self.unknown[slots][:, None, :], b, axis=1)
-        keep = (grid_column >= 0) & (self.bases != 0)
+        grid_row = np.repeat(self.slots[:, :, None], width, axis=2)
+        unknown = np.where(present, self.unknown[self.slots], -1)
+        grid_column = np.repeat(unknown[:, None, :], width, axis=1)
+        keep = (grid_row >= 0) & (grid_column >= 0) & (self.bases != 0)
         row.append(grid_row[keep])
         column.append(grid_column[keep])
         value.append(self.bases[keep] * layout.scale[grid_row[keep]])
         shape = (layout.count, self.count)
         t = sp.csr_matrix((np.concatenate(value), (np.concatenate(row), np.concatenate(column))), shape=shape)
         if self.slaves_by_triangle:
+            kept = np.ones(layout.count)
+            kept[self.slave_slots] = 0.0
             parts_row, parts_column, parts_value = [], [], []
             for triangle in self.slaves_by_triangle:
                 dofs = layout.triangle_dofs(np.array([triangle]))[0]
-                local, rows = self._elimination(triangle)
+                local, rows, inverse = self._elimination(triangle)
+                rows[:, local] = inverse
                 parts_row.append(np.repeat(dofs[local], len(dofs)))
                 parts_column.append(np.tile(dofs, len(local)))
                 parts_value.append(rows.ravel())
             size = (layout.count, layout.count)
             where = (np.concatenate(parts_row), np.concatenate(parts_column))
-            t = (t + sp.csr_matrix((np.concatenate(parts_value), where), shape=size) @ t).tocsr()
+            slaves = sp.csr_matrix((np.concatenate(parts_value), where), shape=size)
+            t = ((sp.diags(kept) + slaves) @ t).tocsr()
         return t
+
+
+def _place_among_fans(vertex: Ints) -> Ints:
+    """(fan,) position of each fan among those of its vertex."""
+    order = np.argsort(vertex, kind="stable")
+    start = np.searchsorted(vertex[order], vertex[order])
+    out = np.empty(len(vertex), dtype=np.int64)
+    out[order] = np.arange(len(vertex)) - start
+    return out
+
+
+def _tie_rows(tangent: Floats, place: Ints, last: int) -> Floats:
+    """(2 n, width) rows (H_1 - H_2) t = 0 on z, from tangents (n, 2) and places (n, 2), up to ``last``, of the fans."""
+    n, width = len(tangent), 6 + 3 * last
+    out = np.zeros((n, 2, width))
+    each = np.arange(n)
+    weight = TIE / np.sqrt(2.0)
+    for side, sign in enumerate((weight, -weight)):
+        first = 3 + 3 * place[:, side]
+        for component in range(2):  # of H t: (xx, xy) t and (xy, yy) t
+            for axis in range(2):
+                out[each, component, first + component + axis] = sign * tangent[:, axis]
+    return out.reshape(2 * n, width)

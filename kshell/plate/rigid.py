@@ -13,10 +13,10 @@ from scipy.sparse.csgraph import connected_components
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
+from kshell.plate.conditions import Conditions
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Form
 from kshell.plate.layout import Layout
-from kshell.plate.reduction import Conditions
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -39,8 +39,8 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
 
     piece_of_vertex = np.zeros(len(mesh.points), dtype=np.int64)
     piece_of_vertex[mesh.triangles.ravel()] = np.repeat(piece, 3)
-    if conditions.vertices:
-        vertices = np.concatenate(conditions.vertices)
+    if conditions.fans:
+        vertices = layout.fans.vertex[np.concatenate(conditions.fans)]
         member = piece_of_vertex[vertices]
         motion = _rigid_at_vertices(layout, vertices, centres[member], sizes[member])
         add((np.concatenate(conditions.rows)[:, None] @ motion)[:, 0], member)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from kshell.plate.conditions import Conditions
 from kshell.plate.domain import Domain
 from kshell.plate.layout import Layout
-from kshell.plate.reduction import DEPENDENT, Conditions, Reduction
+from kshell.plate.reduction import DEPENDENT, Reduction
 from kshell.solvers import PlateSpace
 
 
@@ -15,12 +16,12 @@ def plate_space(domain: Domain, layout: Layout, conditions: Conditions, reductio
     mesh = domain.mesh
     n = len(mesh.points)
     gram = np.zeros((n, 3, 3))
-    for vertices, rows in zip(conditions.vertices, conditions.rows, strict=True):
+    for fans, rows in zip(conditions.fans, conditions.rows, strict=True):
         # rows on second derivatives leave (w, w_x, w_y) free
         here = np.abs(rows[:, 3:]).max(axis=1, initial=0.0) == 0.0
         row = np.zeros((int(here.sum()), 3))
         row[:, : min(3, rows.shape[1])] = rows[here, :3]
-        np.add.at(gram, vertices[here], row[:, :, None] * row[:, None, :])
+        np.add.at(gram, layout.fans.vertex[fans[here]], row[:, :, None] * row[:, None, :])
     for vertices, slopes in zip(conditions.slope_vertices, conditions.slopes, strict=True):
         row = np.concatenate([np.zeros((len(vertices), 1)), slopes], axis=1)
         np.add.at(gram, vertices, row[:, :, None] * row[:, None, :])
@@ -39,4 +40,7 @@ def plate_space(domain: Domain, layout: Layout, conditions: Conditions, reductio
         reduction=reduction.matrix(),
         vertex_basis=basis,
         vertex_mask=value < DEPENDENT,
+        fan_vertex=layout.fans.vertex if layout.fans.extra else None,
+        corner_fan=layout.fans.corner if layout.fans.extra else None,
+        second_slopes=layout.bent if len(layout.bent) else None,
     )

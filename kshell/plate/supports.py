@@ -24,12 +24,13 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.mesh.words import place
-from kshell.plate.curves import EdgeCurves, edge_curves
+from kshell.plate.conditions import Conditions
+from kshell.plate.curves import EdgeCurves, edge_curves, joined_curves
 from kshell.plate.domain import Domain
 from kshell.plate.forms import AreaSpring, Bending, EdgeSpring, Form, PointSpring
 from kshell.plate.holds import CurvedHold, HoldLoad
 from kshell.plate.layout import Layout
-from kshell.plate.reduction import Conditions
+from kshell.plate.ties import CurvedTie
 from kshell.scene.handlers import Handlers
 from kshell.scene.structure import Placed
 from kshell.scene.supports import Clamped, Elastic, Fixed, Free, SimplySupported, Support, Symmetry
@@ -86,6 +87,8 @@ class Supports:
     Attributes
     ----------
     conditions : Conditions
+    ties : list of CurvedTie
+        Consistency terms of curved edges inside where nothing is held.
     springs : list of (label, Form)
     held : list of HeldGroup
     holds : list of (label, CurvedHold)
@@ -96,6 +99,7 @@ class Supports:
     """
 
     conditions: Conditions = field(default_factory=Conditions)
+    ties: list[CurvedTie] = field(default_factory=list)
     springs: list[tuple[str, Form]] = field(default_factory=list)
     held: list[HeldGroup] = field(default_factory=list)
     holds: list[tuple[str, CurvedHold]] = field(default_factory=list)
@@ -116,6 +120,7 @@ def apply_supports(
     builder = _Builder(domain, layout, bending)
     for placed in supports:
         HANDLERS.handle(builder, placed, builder.out.warnings)
+    builder.tie()
     return builder.out
 
 
@@ -207,6 +212,7 @@ class _Builder:
                 f"{what} on '{selection.label}': on a surface hold the deflection too (freedom z)"
             )
         vertices = np.unique(self.mesh.triangles[selection.members]).astype(np.int64)
+        fans = np.unique(self.layout.fans.corner[selection.members]).astype(np.int64)
         value = self._value(support, self.domain.points[vertices])
         if np.ptp(value) > 1e-12 * np.abs(value).max():
             raise InputError(
@@ -215,7 +221,8 @@ class _Builder:
             )
         self.out.conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
         for dof in range(1, self.layout.per_vertex):
-            self.out.conditions.at_vertices(vertices, self._row({dof: 1.0}, len(vertices)))
+            at = vertices if dof < 3 else fans  # beside the border the plate bends
+            self.out.conditions.at_vertices(at, self._row({dof: 1.0}, len(at)))
         for axis in np.eye(2):
             self.out.conditions.slope_vertices.append(vertices)
             self.out.conditions.slopes.append(np.tile(axis, (len(vertices), 1)))
@@ -235,21 +242,13 @@ class _Builder:
         self.out.held.append(group)
 
     def _curves_of(self, edges: Ints) -> EdgeCurves:
-        """Shape of a line of supports: the plate's own edge where it is one, a line inside elsewhere."""
-        boundary = self.domain.boundary
-        inside = edges[self.mesh.edge_counts[edges] > 1] if len(boundary.edges) else edges
-        if not len(inside):
-            return boundary
-        own = edge_curves(self.mesh, inside.astype(np.int32))
-        order = np.argsort(np.concatenate([boundary.edges, own.edges]))
-        joined = [
-            np.concatenate([getattr(boundary, name), getattr(own, name)])[order]
-            for name in ("edges", "tangent", "curvature", "shape")
-        ]
-        worse = own if own.sharpest > boundary.sharpest else boundary
-        edges, tangent, curvature, shape = joined
-        return EdgeCurves(
-            edges.astype(np.int32), tangent, curvature, shape, worse.sharpest, worse.sharpest_at
+        """Shape of a line of supports: as the plate follows it, if it does."""
+        curves = self.domain.curves
+        unknown = edges[~np.isin(edges, curves.edges)]
+        return (
+            joined_curves(curves, edge_curves(self.mesh, unknown.astype(np.int32)))
+            if len(unknown)
+            else curves
         )
 
     def _edges(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
@@ -274,7 +273,7 @@ class _Builder:
             for end in range(2):
                 t = curves.tangent[place_in, end]
                 k = curves.curvature[place_in, end]
-                self._edge_end(ends[:, end], t, k, values[:, end], holds_w, holds_r)
+                self._edge_end(self._fans(edges, end), t, k, values[:, end], holds_w, holds_r)
         if holds_r:
             self._edge_slopes(edges, curves)
         if self.rich:
@@ -290,29 +289,42 @@ class _Builder:
         )
         self.out.held.append(group)
 
-    def _edge_end(
-        self, vertices: NDArray[np.integer], t: Floats, k: Floats, g: Floats, holds_w: bool, holds_r: bool
-    ) -> None:
-        """Rows at one end of each edge; g (n, 3) is the prescribed w and its derivatives by arc length."""
-        h = self.layout.vertex_sizes[vertices]
-        n = len(vertices)
+    def _fans(self, edges: Ints, end: int) -> Ints:
+        """(2, n) fans on both sides of edges at one end."""
+        vertex = self.mesh.edges[edges, end].astype(np.int64)
+        if not self.layout.fans.extra:
+            return np.stack([vertex, vertex])
+        sides = self.domain.sides(edges)
+        corner = np.argmax(self.mesh.triangles[sides] == vertex[None, :, None], axis=2)
+        return self.layout.fans.corner[sides, corner].astype(np.int64)
+
+    def _edge_end(self, fans: Ints, t: Floats, k: Floats, g: Floats, holds_w: bool, holds_r: bool) -> None:
+        """Rows at one end of each edge, between fans (2, n) there; g (n, 3): prescribed w and its derivatives by s."""
+        self._fan_rows(fans[0], t, k, g, holds_w, holds_r)
+        other = fans[1] != fans[0]
+        if other.any():
+            self._fan_rows(fans[1, other], t[other], k[other], g[other], holds_w, holds_r)
+
+    def _fan_rows(self, fans: Ints, t: Floats, k: Floats, g: Floats, holds_w: bool, holds_r: bool) -> None:
+        h = self.layout.vertex_sizes[self.layout.fans.vertex[fans]]
+        n = len(fans)
         tx, ty, conditions = t[:, 0], t[:, 1], self.out.conditions
         kx, ky = k[:, 0] * h, k[:, 1] * h
         if holds_w:
-            conditions.at_vertices(vertices, self._row({0: 1.0}, n), g[:, 0])
-            conditions.at_vertices(vertices, self._row({1: tx, 2: ty}, n), g[:, 1] * h)
+            conditions.at_vertices(fans, self._row({0: 1.0}, n), g[:, 0])
+            conditions.at_vertices(fans, self._row({1: tx, 2: ty}, n), g[:, 1] * h)
             second = self._row({1: kx, 2: ky, 3: tx * tx, 4: 2 * tx * ty, 5: ty * ty}, n)
-            conditions.at_vertices(vertices, second, g[:, 2] * h**2)
+            conditions.at_vertices(fans, second, g[:, 2] * h**2)
         if holds_r:
             nx, ny = ty, -tx
-            conditions.at_vertices(vertices, self._row({1: nx, 2: ny}, n))
+            conditions.at_vertices(fans, self._row({1: nx, 2: ny}, n))
             # n = t turned by -90 degrees, so dn/ds = k turned by -90 degrees
-            turned = {1: ky, 2: -kx, 3: tx * nx, 4: tx * ny + ty * nx, 5: ty * ny}
-            conditions.at_vertices(vertices, self._row(turned, n))
+            turned: dict[int, Floats | float] = {1: ky, 2: -kx, 3: tx * nx, 4: tx * ny + ty * nx, 5: ty * ny}
+            conditions.at_vertices(fans, self._row(turned, n))
 
     def _curved_holds(self, support: Any, edges: Ints, label: str, holds_w: bool, holds_r: bool) -> None:
-        """Consistency terms on curved boundary edges, once for each edge and quantity."""
-        curves = self.domain.boundary
+        """Consistency terms on curved edges, once for each edge, side and quantity."""
+        curves = self.domain.curves
         if not curves.curved.any():
             return
         bent = edges[np.isin(edges, curves.edges[curves.curved])]
@@ -320,12 +332,25 @@ class _Builder:
         self.consistent[:, bent] |= needs
         for value, slope in ((True, True), (True, False), (False, True)):
             chosen = bent[(needs[0] == value) & (needs[1] == slope)]
-            if len(chosen):
-                element = self.layout.element
-                hold = CurvedHold(self.domain, element, self.bending, chosen, value, slope)
+            for side in range(2):
+                if side:
+                    chosen = chosen[self.mesh.edge_counts[chosen] > 1]
+                if not len(chosen):
+                    continue
+                hold = CurvedHold(self.domain, self.layout.element, self.bending, chosen, value, slope, side)
                 self.out.holds.append((label, hold))
                 if value and support.value is not None:
                     self.out.hold_loads.append(HoldLoad(hold, lambda xy: self._value(support, xy)))
+
+    def tie(self) -> None:
+        """Consistency terms on curved edges inside, of the quantities that no support holds."""
+        bent = self.domain.bent
+        free = ~self.consistent[:, bent]
+        for value, slope in ((True, True), (True, False), (False, True)):
+            chosen = bent[(free[0] == value) & (free[1] == slope)]
+            for side in range(2 if len(chosen) else 0):
+                tie = CurvedTie(self.domain, self.layout.element, self.bending, chosen, value, slope, side)
+                self.out.ties.append(tie)
 
     def _edge_values(self, support: Any, edges: Ints) -> Floats:
         """Prescribed w and its first and second derivative by arc length at both ends: (edge, end, 3)."""
@@ -358,8 +383,8 @@ class _Builder:
         conditions = self.out.conditions
         bent = np.zeros(len(edges), dtype=bool)
         if self.rich and curves.curved.any():
-            on_boundary = np.isin(edges, self.domain.boundary.edges)
-            bent = on_boundary & curves.curved[curves.place(edges)]
+            followed = np.isin(edges, self.domain.curves.edges)
+            bent = followed & curves.curved[curves.place(edges)]
         conditions.edges.append(edges[~bent])
         if bent.any():
             patch = self.domain.edge_points(edges[bent], np.array([0.5]), np.ones(1))

@@ -35,7 +35,8 @@ class PlateSpace:
     All degrees of freedom, before supports are imposed, are for "morley" the deflection at the vertices,
     then the normal derivative at the midpoints of the edges; for "argyris" (w, w_x, w_y, w_xx, w_xy, w_yy)
     vertex by vertex, then the normal derivative at the midpoints of the edges. The normal of an edge is
-    (t_y, -t_x), t being the tangent from its lower to its higher vertex.
+    (t_y, -t_x), t being the tangent from its lower to its higher vertex. Behind them stand (w_xx, w_xy, w_yy) of
+    further fans, triangles around a vertex that have second derivatives of their own, and further slopes of edges.
 
     Attributes
     ----------
@@ -55,6 +56,12 @@ class PlateSpace:
     stiffness : (triangle,) float array, optional
         Bending stiffness of each triangle in any one measure. Give it where it jumps: the coarse levels then
         follow the interfaces.
+    fan_vertex : (fan,) int array, optional
+        Vertex of each fan; the first fans are those of the vertices in turn. One fan each if not given.
+    corner_fan : (triangle, 3) int array, optional
+        Fan of each corner.
+    second_slopes : (n,) int array, optional
+        Edges of the further slopes.
     """
 
     element: Literal["morley", "argyris"]
@@ -67,6 +74,9 @@ class PlateSpace:
     vertex_basis: Floats
     vertex_mask: NDArray[np.bool_]
     stiffness: Floats | None = None
+    fan_vertex: Ints | None = None
+    corner_fan: Ints | None = None
+    second_slopes: Ints | None = None
 
     def __post_init__(self) -> None:
         vertices, edges = len(self.points), len(self.edges)
@@ -88,6 +98,10 @@ class PlateSpace:
             if found != shape:
                 raise InputError(f"PlateSpace.{name} has the shape {found}, {shape} was expected")
         dofs = (vertices if self.element == "morley" else 6 * vertices) + edges
+        if self.fan_vertex is not None:
+            dofs += 3 * (len(self.fan_vertex) - vertices)
+        if self.second_slopes is not None:
+            dofs += len(self.second_slopes)
         if self.reduction.shape[0] != dofs:
             raise InputError(f"PlateSpace.reduction has {self.reduction.shape[0]} rows, {dofs} were expected")
 

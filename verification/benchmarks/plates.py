@@ -49,12 +49,13 @@ def run_kshell(element: str, cells: int) -> Callable[[], int]:
     from kshell.material.section import plate_section
     from kshell.mesh.mesh import Mesh
     from kshell.plate.assembly import assemble
+    from kshell.plate.conditions import Conditions
     from kshell.plate.domain import Domain
     from kshell.plate.forms import Bending
     from kshell.plate.layout import Layout
     from kshell.plate.loading import AreaLoad
     from kshell.plate.pattern import Pattern
-    from kshell.plate.reduction import Conditions, Reduction
+    from kshell.plate.reduction import Reduction
 
     made = unit_square(cells)
     mesh = Mesh(made.points, made.triangles)  # topology is part of the work, on both sides

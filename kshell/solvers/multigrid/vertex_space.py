@@ -20,7 +20,7 @@ import numpy as np
 
 from kshell.solvers.multigrid.cloud import Cloud
 from kshell.solvers.multigrid.interpolate import block_matrix, split_rows
-from kshell.solvers.system import Floats, PlateSpace
+from kshell.solvers.system import Floats, Ints, PlateSpace
 
 SWEEPS = 4  # of Jacobi's method for T^T W T, which is diagonal but for a few boundary vertices
 
@@ -43,6 +43,10 @@ def element_interpolation(space: PlateSpace, cloud: Cloud) -> Any:
         full = _argyris(space, sp)
         per_vertex = np.stack([np.ones_like(size), size, size, size**2, size**2, size**2], axis=1)
         scale = np.concatenate([per_vertex.ravel(), space.lengths])
+        if space.fan_vertex is not None:
+            scale = np.append(scale, np.repeat(size[space.fan_vertex[len(size) :]] ** 2, 3))
+        if space.second_slopes is not None:
+            scale = np.append(scale, space.lengths[space.second_slopes])
 
     result = _left_inverse(space.reduction, scale**2, full, sp)
     column = result.indices
@@ -86,19 +90,19 @@ def _scale_rows(matrix: Any, factor: Floats) -> None:
     matrix.data *= np.repeat(factor, np.diff(matrix.indptr))[:, None, None]
 
 
-def _edge_rows(space: PlateSpace, at_lower: Floats, at_higher: Floats, sp: Any) -> Any:
-    """(edge, 3 vertices) BSR: a row (1, 3) for the lower vertex of each edge and one for the higher."""
+def _edge_rows(ends: Ints, at_lower: Floats, at_higher: Floats, count: int, sp: Any) -> Any:
+    """(edge, 3 vertices) BSR: a row (1, 3) for the lower vertex (or fan) of each edge and one for the higher."""
     blocks = np.stack([at_lower, at_higher], axis=1).reshape(-1, 1, 3)
-    pointer = np.arange(0, 2 * len(space.edges) + 1, 2, dtype=np.int32)
-    columns = space.edges.ravel().astype(np.int32)
-    return sp.bsr_matrix((blocks, columns, pointer), shape=(len(space.edges), 3 * len(space.points)))
+    pointer = np.arange(0, 2 * len(ends) + 1, 2, dtype=np.int32)
+    columns = ends.ravel().astype(np.int32)
+    return sp.bsr_matrix((blocks, columns, pointer), shape=(len(ends), 3 * count))
 
 
 def _mean_normal_derivative(space: PlateSpace, sp: Any) -> Any:
     """(edge, 3 vertices): n.(g_a + g_b)/2."""
     half = np.zeros((len(space.edges), 3))
     half[:, 1:] = 0.5 * space.edge_normals
-    return _edge_rows(space, half, half, sp)
+    return _edge_rows(space.edges, half, half, len(space.points), sp)
 
 
 def _morley(space: PlateSpace, sp: Any) -> Any:
@@ -114,42 +118,80 @@ def _morley(space: PlateSpace, sp: Any) -> Any:
 def _argyris(space: PlateSpace, sp: Any) -> Any:
     n = len(space.points)
     hessian = fitted_hessian(space, sp)
+    fans = hessian.shape[0] // 3
+    by_row = split_rows(hessian)
     # vertex rows: the values themselves, then the second derivatives, in turn
     identity = sp.bsr_matrix(
         (np.tile(np.eye(3), (n, 1, 1)), np.arange(n), np.arange(n + 1)), shape=(3 * n, 3 * n)
     )
-    both = _stack(split_rows(identity), split_rows(hessian), sp)
+    both = _stack(split_rows(identity), by_row, sp)
     order = np.arange(6 * n).reshape(2, n, 3).transpose(1, 0, 2).ravel()
 
     # the derivative along an edge is cubic: at its middle (g_a + g_b)/2 + L/8 d_t (g_a - g_b)
     (nx, ny), length = space.edge_normals.T, space.lengths
     tx, ty = -ny, nx
     twist = (length / 8.0)[:, None] * np.stack([nx * tx, nx * ty + ny * tx, ny * ty], axis=1)
-    edges = _mean_normal_derivative(space, sp) + _edge_rows(space, twist, -twist, sp) @ hessian
-    return _stack(_take_rows(both, order, sp), edges, sp)
+    ends = _edge_fans(space)
+    edges = _mean_normal_derivative(space, sp) + _edge_rows(ends, twist, -twist, fans, sp) @ hessian
+    full = _stack(_take_rows(both, order, sp), edges, sp)
+    if fans > n:
+        full = _stack(full, _take_rows(by_row, np.arange(3 * n, 3 * fans), sp), sp)
+    if space.second_slopes is not None:
+        full = _stack(full, _take_rows(edges, np.asarray(space.second_slopes), sp), sp)
+    return full
+
+
+def _edge_fans(space: PlateSpace) -> Ints:
+    """(edge, 2) fans at the ends of each edge, on one of its sides; its vertices where these have one fan each."""
+    if space.corner_fan is None:
+        return space.edges
+    n = len(space.points)
+    out = space.edges.astype(np.int64)
+    key = out[:, 0] * n + out[:, 1]
+    for a, b in ((0, 1), (1, 2), (0, 2)):
+        ends, fans = space.triangles[:, [a, b]].astype(np.int64), space.corner_fan[:, [a, b]]
+        order = np.argsort(ends, axis=1)
+        ends, fans = np.take_along_axis(ends, order, axis=1), np.take_along_axis(fans, order, axis=1)
+        out[np.searchsorted(key, ends[:, 0] * n + ends[:, 1])] = fans
+    return out
+
+
+def _spokes(space: PlateSpace) -> tuple[Ints, Ints, Ints]:
+    """(fan, vertex, other vertex) of the edges that go out from each fan."""
+    if space.corner_fan is None or space.fan_vertex is None:
+        start = np.concatenate([space.edges[:, 0], space.edges[:, 1]])
+        return start, start, np.concatenate([space.edges[:, 1], space.edges[:, 0]])
+    pairs = [
+        np.stack([space.corner_fan[:, c], space.triangles[:, (c + step) % 3]], axis=1)
+        for c in range(3)
+        for step in (1, 2)
+    ]
+    fan, end = np.unique(np.concatenate(pairs), axis=0).T
+    return fan, space.fan_vertex[fan], end
 
 
 def fitted_hessian(space: PlateSpace, sp: Any) -> Any:
-    """H: at each vertex the second derivatives that fit the differences of gradients along its edges best.
+    """H: at each vertex (or fan) the second derivatives that fit the differences of gradients along its edges best.
 
     For the edge d from vertex v to u:   (d_x w_xx + d_y w_xy, d_x w_xy + d_y w_yy) = g_u - g_v,
-    weighted with 1/|d|^2. Returned as BSR matrix (3 vertices, 3 vertices) of 3 x 3 blocks.
+    weighted with 1/|d|^2. Returned as BSR matrix (3 fans, 3 vertices) of 3 x 3 blocks.
     """
-    n = len(space.points)
-    start = np.concatenate([space.edges[:, 0], space.edges[:, 1]])
-    end = np.concatenate([space.edges[:, 1], space.edges[:, 0]])
-    d = (space.points[end] - space.points[start]) / np.tile(space.lengths, 2)[:, None]
+    fan, start, end = _spokes(space)
+    n = len(space.points) if space.fan_vertex is None else len(space.fan_vertex)
+    length = np.linalg.norm(space.points[end] - space.points[start], axis=1)
+    d = (space.points[end] - space.points[start]) / length[:, None]
     rows = np.zeros((len(d), 2, 3))
     rows[:, 0, 0] = rows[:, 1, 1] = d[:, 0]
     rows[:, 0, 1] = rows[:, 1, 2] = d[:, 1]
     normal = np.zeros((n, 3, 3))
-    np.add.at(normal, start, rows.transpose(0, 2, 1) @ rows)
-    share = np.linalg.inv(normal)[start] @ rows.transpose(0, 2, 1) / np.tile(space.lengths, 2)[:, None, None]
+    np.add.at(normal, fan, rows.transpose(0, 2, 1) @ rows)
+    share = np.linalg.inv(normal)[fan] @ rows.transpose(0, 2, 1) / length[:, None, None]
     blocks = np.zeros((len(d) + n, 3, 3))
     blocks[: len(d), :, 1:] = share
-    np.subtract.at(blocks[len(d) :, :, 1:], start, share)
-    vertices = np.arange(n)
-    return block_matrix(np.concatenate([start, vertices]), np.concatenate([end, vertices]), blocks, n, n, sp)
+    np.subtract.at(blocks[len(d) :, :, 1:], fan, share)
+    vertices = np.arange(len(space.points)) if space.fan_vertex is None else space.fan_vertex
+    row, column = np.concatenate([fan, np.arange(n)]), np.concatenate([end, vertices])
+    return block_matrix(row, column, blocks, n, len(space.points), sp)
 
 
 def _stack(above: Any, below: Any, sp: Any) -> Any:

@@ -1,0 +1,163 @@
+"""Fans: the triangles around a vertex between lines across which second derivatives may jump.
+
+Quintics of Argyris have one Hessian H per vertex. Where a line crosses the plate at which the stiffness jumps, or the
+rotation is held, the solution has one on each side. Each fan of triangles between such lines therefore has an H of
+its own, and across a line with tangent t
+
+    (H_1 - H_2) t = 0
+
+keeps the deflection continuously differentiable: with w and grad w common, the tangential derivatives of w_t and w_n
+agree on both sides. What is left free is w_nn on either side of a straight line, two jumps where two lines
+cross, none at a kink or at the end of a line. There the exact H is not bounded; to follow it better all edges
+at such a vertex count as lines (Hessians of a macro element: L. L. Schumaker, Approximation Theory II (1976) 365-386).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.plate.domain import Domain
+from kshell.plate.lines import InnerLines
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+STRAIGHT_ON = np.cos(np.radians(1.0))  # of the angle between tangents of one line at a vertex
+
+
+@dataclass(frozen=True)
+class Fans:
+    """Fans of a mesh, numbered from 0: first one for each vertex, then the further ones.
+
+    Attributes
+    ----------
+    corner : (triangle, 3) int array
+        Fan of each corner of each triangle.
+    vertex : (fan,) int array
+        Vertex of each fan.
+    tied : (n, 2) int array
+        Fans on both sides of a line.
+    tangent : (n, 2) array
+        Of these lines at the vertex.
+    ends : (n,) int array
+        Vertices inside the plate where a line ends or turns.
+    vertex_count : int
+    """
+
+    corner: NDArray[np.integer]
+    vertex: Ints
+    tied: Ints
+    tangent: Floats
+    ends: Ints
+    vertex_count: int
+
+    @property
+    def extra(self) -> int:
+        """How many fans there are beyond one for each vertex."""
+        return len(self.vertex) - self.vertex_count
+
+
+def make_fans(domain: Domain, lines: InnerLines) -> Fans:
+    """The fans between the lines of a plate."""
+    mesh = domain.mesh
+    ends = _ends(domain, lines)
+    at_end = np.zeros(len(mesh.points), dtype=bool)
+    at_end[ends] = True
+    cut = np.repeat(lines.jump[:, None], 2, axis=1) | at_end[mesh.edges]  # (edge, end)
+    cut &= (mesh.edge_counts > 1)[:, None]
+    corner, vertex = _numbered(mesh, cut)
+    tied, tangent = _ties(domain, cut, corner)
+    return Fans(corner, vertex, tied, tangent, ends, len(mesh.points))
+
+
+def one_fan(mesh: Mesh) -> Fans:
+    """Without lines: every vertex has one fan."""
+    none = np.zeros(0, dtype=np.int64)
+    vertices = np.arange(len(mesh.points))
+    return Fans(mesh.triangles, vertices, none.reshape(0, 2), np.zeros((0, 2)), none, len(vertices))
+
+
+def _ends(domain: Domain, lines: InnerLines) -> Ints:
+    """Vertices inside where an edge of a line that jumps or is held has no other in its direction."""
+    mesh = domain.mesh
+    edges = np.flatnonzero(lines.jump | lines.held)
+    if not len(edges):
+        return edges
+    outer = np.zeros(len(mesh.points), dtype=bool)
+    outer[mesh.edges[mesh.boundary_edges]] = True
+    away = domain.tangents(edges) * np.array([1.0, -1.0])[:, None]  # (edge, end, 2), out of the vertex
+    around: dict[int, list[Floats]] = {}
+    for pair, directions in zip(mesh.edges[edges].tolist(), away, strict=True):
+        for v, direction in zip(pair, directions, strict=True):
+            if not outer[v]:
+                around.setdefault(v, []).append(direction)
+    found = [v for v, directions in around.items() if not _all_go_on(np.array(directions))]
+    return np.array(sorted(found), dtype=np.int64)
+
+
+def _all_go_on(directions: Floats) -> bool:
+    return bool(((directions @ directions.T).min(axis=1) < -STRAIGHT_ON).all())
+
+
+def _numbered(mesh: Mesh, cut: Flags) -> tuple[Ints, Ints]:
+    """Fan of each corner, and vertex of each fan."""
+    corner, vertex = mesh.triangles.astype(np.int64, order="C"), np.arange(len(mesh.points))
+    touched = np.zeros(len(mesh.points), dtype=bool)
+    touched[mesh.edges[cut]] = True
+    triangles = np.flatnonzero(touched[mesh.triangles].any(axis=1))
+    if not len(triangles):
+        return corner, vertex
+    # corners (3 t + c) are joined across the edges at their vertex that are not cut there
+    sides: dict[tuple[int, int], int] = {}
+    first, second = [], []
+    for t in triangles.tolist():
+        for k, local in enumerate(EDGE_VERTICES.tolist()):
+            e = int(mesh.triangle_edges[t, k])
+            for c in local:
+                v = int(mesh.triangles[t, c])
+                if not touched[v] or cut[e, int(mesh.edges[e, 1] == v)]:
+                    continue
+                other = sides.setdefault((e, v), 3 * t + c)
+                if other != 3 * t + c:
+                    first.append(other)
+                    second.append(3 * t + c)
+    size = 3 * len(mesh.triangles)
+    graph = sp.csr_matrix((np.ones(len(first)), (first, second)), shape=(size, size))
+    label = connected_components(graph, directed=False)[1]
+    at = np.flatnonzero(touched[mesh.triangles.ravel()])
+    # fans in the order of their first corners; the first of each vertex has the vertex's number
+    _, where, inverse = np.unique(label[at], return_index=True, return_inverse=True)
+    of_fan = mesh.triangles.ravel()[at[where]].astype(np.int64)
+    order = np.argsort(where, kind="stable")
+    is_first = np.zeros(len(where), dtype=bool)
+    is_first[order[np.unique(of_fan[order], return_index=True)[1]]] = True
+    number = of_fan.copy()
+    further = order[~is_first[order]]
+    number[further] = len(vertex) + np.arange(len(further))
+    corner.reshape(-1)[at] = number[inverse]
+    return corner, np.concatenate([vertex, of_fan[further]])
+
+
+def _ties(domain: Domain, cut: Flags, corner: Ints) -> tuple[Ints, Floats]:
+    """Pairs of fans across the lines at each end of each cut edge, and the tangents there."""
+    mesh = domain.mesh
+    edges = np.flatnonzero(cut.any(axis=1))
+    tangents = domain.tangents(edges)
+    pairs, directions = [], []
+    sides = domain.sides(edges)  # (side, edge) triangles
+    for end in range(2):
+        vertex = mesh.edges[edges, end]
+        fans = np.stack(
+            [corner[t, np.argmax(mesh.triangles[t] == vertex[:, None], axis=1)] for t in sides], axis=1
+        )
+        chosen = cut[edges, end] & (fans[:, 0] != fans[:, 1])
+        pairs.append(fans[chosen])
+        directions.append(tangents[chosen, end])
+    return np.concatenate(pairs).reshape(-1, 2), np.concatenate(directions).reshape(-1, 2)

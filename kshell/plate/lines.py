@@ -1,0 +1,154 @@
+"""Lines inside a plate across which derivatives of the deflection jump, found from the structure.
+
+Second derivatives jump where the stiffness or the free curvature does, and along lines that hold the rotation,
+by a support or a spring: the bending moment across such a line differs from side to side, or the curvature that
+belongs to it does. Third derivatives jump at line loads, at lines that hold the deflection alone and at borders of
+loaded surfaces; there it matters only that a curved line is followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.material.section import Section
+from kshell.mesh.mesh import Mesh
+from kshell.scene.loads import InitialCurvature, Load, Temperature
+from kshell.scene.structure import Placed, Structure
+from kshell.scene.supports import Elastic, Support
+from kshell.values.varying import is_constant
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+Values = Callable[[Ints, Floats], Floats]
+
+# how far from an edge, in triangles, its sides are looked at, and from which change on something jumps
+BESIDE, JUMP = 1e-7, 1e-5
+
+
+@dataclass(frozen=True)
+class InnerLines:
+    """Edges inside a plate, as flags (edge,).
+
+    Attributes
+    ----------
+    jump
+        Second derivatives across the edge may jump.
+    held
+        A support holds the deflection or the rotation along the edge.
+    loaded
+        Third derivatives jump at loads and springs.
+    """
+
+    jump: Flags
+    held: Flags
+    loaded: Flags
+
+    @property
+    def lines(self) -> Flags:
+        """All of them."""
+        return self.jump | self.held | self.loaded
+
+
+def inner_lines(structure: Structure) -> InnerLines:
+    """The lines of a structure."""
+    mesh, section = structure.space, structure.section
+    inside = mesh.edge_counts > 1
+    out = InnerLines(*(np.zeros(len(mesh.edges), dtype=bool) for _ in range(3)))
+    for support in structure.supports:
+        _of_support(support, mesh, inside, out)
+    sides = _Sides(mesh, inside)
+    if not section.uniform:
+        bending = partial(_bending, section)
+        out.jump[sides.edges] |= sides.differ(bending, section.constant_per_triangle)
+    for load in structure.loads:
+        _of_load(load, mesh, inside, sides, out)
+    return out
+
+
+def _of_support(placed: Placed[Support], mesh: Mesh, inside: Flags, out: InnerLines) -> None:
+    support, selection = placed.item, placed.place
+    turned, lifted = "r" in support.freedoms, "z" in support.freedoms
+    if selection is None or selection.dimension == 0 or not (turned or lifted):
+        return
+    elastic = isinstance(support, Elastic)
+    if selection.dimension == 2:
+        border = _border(mesh, selection.members)
+        (out.loaded if elastic else out.jump)[border] = True
+        return
+    edges = selection.members[inside[selection.members]]
+    if turned:
+        out.jump[edges] = True
+    (out.loaded if elastic else out.held)[edges] = True
+
+
+def _of_load(placed: Placed[Load], mesh: Mesh, inside: Flags, sides: _Sides, out: InnerLines) -> None:
+    load, selection = placed.item, placed.place
+    if isinstance(load, Temperature | InitialCurvature):
+        shape = load.gradient if isinstance(load, Temperature) else load.value
+        if selection is None and is_constant(shape):
+            return
+        on = np.zeros(len(mesh.triangles), dtype=bool)
+        on[placed.members(mesh)] = True
+
+        def curvature(triangles: Ints, points: Floats) -> Floats:
+            return load.curvature_at(points) * on[triangles][:, None, None]
+
+        out.jump[sides.edges] |= sides.differ(curvature, False)
+    elif selection is not None and selection.dimension == 2:
+        out.loaded[_border(mesh, selection.members)] = True
+    elif selection is not None and selection.dimension == 1:
+        out.loaded[selection.members[inside[selection.members]]] = True
+
+
+def _border(mesh: Mesh, triangles: NDArray[np.integer]) -> Ints:
+    """Edges inside the plate between some triangles and others."""
+    count = np.bincount(mesh.triangle_edges[triangles].ravel(), minlength=len(mesh.edges))
+    return np.flatnonzero((count > 0) & (count < mesh.edge_counts))
+
+
+def _bending(section: Section, triangles: Ints, points: Floats) -> Floats:
+    return section.bending(triangles, points).reshape(len(triangles), points.shape[1], 9)
+
+
+class _Sides:
+    """Both sides of the edges inside, for functions of triangles and places."""
+
+    def __init__(self, mesh: Mesh, inside: Flags) -> None:
+        self.edges: Ints = np.flatnonzero(inside)
+        self.mesh = mesh
+
+    @cached_property
+    def triangles(self) -> Ints:
+        """(2, inner edge) triangles on both sides."""
+        mesh = self.mesh
+        last = np.empty(len(mesh.edges), dtype=np.int64)
+        last[mesh.triangle_edges] = np.arange(len(mesh.triangles))[:, None]
+        return np.stack([mesh.edge_owner[self.edges, 0].astype(np.int64), last[self.edges]])
+
+    def differ(self, value: Values, constant: bool) -> Flags:
+        """(inner edge,) whether value(triangles (n,), points (n, 1, 3)) -> (n, 1, k) jumps across an edge."""
+        mesh = self.mesh
+        if constant:
+            every = np.arange(len(mesh.triangles))
+            centre = mesh.points[mesh.triangles].mean(axis=1)[:, None]
+            of_triangle = value(every, centre)
+            left, right = of_triangle[self.triangles[0]], of_triangle[self.triangles[1]]
+        else:
+            middle = mesh.points[mesh.edges[self.edges]].mean(axis=1)
+            if mesh.midpoints is not None:
+                middle = mesh.midpoints[self.edges]
+            left, right = (self._beside(value, triangles, middle) for triangles in self.triangles)
+        size = np.abs(np.concatenate([left, right], axis=1)).max(axis=(1, 2), initial=0.0)
+        jump: Flags = np.abs(left - right).max(axis=(1, 2), initial=0.0) > JUMP * size
+        return jump
+
+    def _beside(self, value: Values, triangles: Ints, middle: Floats) -> Floats:
+        centre = self.mesh.points[self.mesh.triangles[triangles]].mean(axis=1)
+        found: Floats = value(triangles, (middle + BESIDE * (centre - middle))[:, None])
+        return found
