@@ -28,6 +28,7 @@ def trace(
     folder: str | os.PathLike[str] | None = None,
     resume: bool = False,
     progress: Callable[[str], None] | None = None,
+    allow_system: bool = False,
     **options: Any,
 ) -> Result:
     """Large deflections under loads that grow from zero to their full size, through limit points.
@@ -39,7 +40,7 @@ def trace(
         Each converged step is written there, whole; see `resume`.
     resume : bool
         Go on after the last step in the folder, with the path that would have come without the interruption.
-    progress, **options :
+    progress, allow_system, **options :
         As for `solve`; words after each step, too.
 
     Returns
@@ -56,11 +57,17 @@ def trace(
     """
     if resume and folder is None:
         raise InputError("resume = True needs the folder with the steps to go on from")
-    result = _solve(scene, progress, {**options, "analysis": "path"}, folder, resume)
+    result = _solve(scene, progress, {**options, "analysis": "path"}, folder, resume, allow_system)
     return _warned(result)
 
 
-def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **options: Any) -> Result:
+def solve(
+    scene: Scene,
+    *,
+    progress: Callable[[str], None] | None = None,
+    allow_system: bool = False,
+    **options: Any,
+) -> Result:
     """Deflection, moments and reactions of a plate or shell under static loads.
 
     Parameters
@@ -68,6 +75,8 @@ def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **opti
     scene : Scene
     progress : function, optional
         Called with the name of each stage as it begins: read, assemble, solve, recover.
+    allow_system : bool
+        Whether geometry files may run programs and write files, which gmsh's language can; they are refused otherwise.
     **options
         The keys of [solve] in a scene file: analysis, model, element, order, large_deflection, solver,
         steps. They take precedence over those of the scene.
@@ -84,7 +93,7 @@ def solve(scene: Scene, *, progress: Callable[[str], None] | None = None, **opti
     SolveError
         If no answer was reached; of large deflections its `state` is the Result of the last good load step.
     """
-    return _warned(_solve(scene, progress, options))
+    return _warned(_solve(scene, progress, options, allow_system=allow_system))
 
 
 def _warned(result: Result) -> Result:
@@ -99,6 +108,7 @@ def _solve(
     options: dict[str, Any],
     folder: str | os.PathLike[str] | None = None,
     resume: bool = False,
+    allow_system: bool = False,
 ) -> Result:
     if not isinstance(scene, Scene):
         raise InputError(f"{scene!r} is not a scene: make one with ks.Scene(...) or ks.Scene.load(path)")
@@ -106,7 +116,7 @@ def _solve(
     if progress is not None:
         progress("read")
     begin = time.perf_counter()
-    structure = resolve(scene, scene.read_mesh())
+    structure = resolve(scene, scene.read_mesh(allow_system))
     clock = Clock(progress, time.perf_counter() - begin)
     where = None if folder is None else Path(folder)
     run = Run(structure, chosen, clock, progress, where, resume)

@@ -56,6 +56,12 @@ Overrides = Annotated[
         help="Replace a value of the scene file, e.g. load.0.value=2000. Repeatable.",
     ),
 ]
+AllowSystem = Annotated[
+    bool,
+    typer.Option(
+        "--allow-system", help="Let geometry files run programs and write files, as gmsh's language can."
+    ),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
 
 
@@ -127,6 +133,7 @@ def solve(
     steps: Annotated[
         str | None, typer.Option(metavar="auto|N", help="First guess of the load steps.")
     ] = None,
+    allow_system: AllowSystem = False,
     debug: Debug = False,
 ) -> None:
     """Solve a scene file, or a mesh file described by options."""
@@ -150,7 +157,7 @@ def solve(
     options = {key: value for key, value in given.items() if value is not None}
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     try:
-        result = _solve(scene, options)
+        result = _solve(scene, options, allow_system)
     except (SolveError, Interrupted) as error:
         _save_last(error.state, folder, plot, json)
         raise
@@ -181,6 +188,7 @@ def trace(
     json: JsonFile = None,
     plot: Pictures = False,
     set_: Overrides = None,
+    allow_system: AllowSystem = False,
     debug: Debug = False,
 ) -> None:
     """Follow large deflections while the loads grow from zero to their full size."""
@@ -192,7 +200,7 @@ def trace(
     if resume and folder is None:
         raise InputError("--resume needs -o DIR, the folder of the path to go on with")
     try:
-        result = _trace(scene, None if folder is None else folder / "steps", resume)
+        result = _trace(scene, None if folder is None else folder / "steps", resume, allow_system)
     except (SolveError, Interrupted) as error:
         _save_last(error.state, folder, plot, json)
         raise
@@ -205,7 +213,9 @@ def trace(
 
 
 @app.command()
-def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
+def check(
+    source: Source, set_: Overrides = None, allow_system: AllowSystem = False, debug: Debug = False
+) -> None:
     """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
     from kshell.analysis.check import check_mesh, check_scene
     from kshell.cli.terminal import print_findings
@@ -214,12 +224,12 @@ def check(source: Source, set_: Overrides = None, debug: Debug = False) -> None:
         from kshell.scene.scene import Scene
 
         scene = Scene.load(source, set_ or [])
-        found = check_scene(scene, scene.read_mesh())
+        found = check_scene(scene, scene.read_mesh(allow_system))
     else:
         from kshell.mesh import read_mesh
 
         no_overrides(source, set_ or [])
-        found = check_mesh(read_mesh(source))
+        found = check_mesh(read_mesh(source, allow_system=allow_system))
     print_findings(found)
     for words in found.problems:
         typer.echo(f"error: {words}", err=True)
@@ -242,7 +252,7 @@ def verify(
         raise typer.Exit(1)
 
 
-def _solve(scene: Scene, options: dict[str, Any]) -> Result:
+def _solve(scene: Scene, options: dict[str, Any], allow_system: bool) -> Result:
     import warnings
 
     from kshell.analysis.solve import solve as solve_scene
@@ -251,10 +261,10 @@ def _solve(scene: Scene, options: dict[str, Any]) -> Result:
     with warnings.catch_warnings(), Progress().shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
         warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
-        return solve_scene(scene, progress=progress, **options)
+        return solve_scene(scene, progress=progress, allow_system=allow_system, **options)
 
 
-def _trace(scene: Scene, folder: Path | None, resume: bool) -> Result:
+def _trace(scene: Scene, folder: Path | None, resume: bool, allow_system: bool) -> Result:
     import warnings
 
     from kshell.analysis.solve import trace as trace_scene
@@ -263,7 +273,7 @@ def _trace(scene: Scene, folder: Path | None, resume: bool) -> Result:
     with warnings.catch_warnings(), Progress().shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
         warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
-        return trace_scene(scene, folder=folder, resume=resume, progress=progress)
+        return trace_scene(scene, folder=folder, resume=resume, progress=progress, allow_system=allow_system)
 
 
 def _save_last(state: Any, folder: Path | None, plot: bool, json: str | None) -> None:

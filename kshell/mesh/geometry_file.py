@@ -14,9 +14,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from kshell.errors import InputError
+from kshell.mesh.geo_script import require_harmless
 from kshell.mesh.gmsh_file import read_gmsh
 from kshell.mesh.raw import RawMesh
+from kshell.mesh.words import count, place
 
 # the Debian package for each system library that the gmsh library is linked to
 PACKAGE_OF_LIBRARY = {
@@ -37,10 +41,13 @@ PACKAGE_OF_LIBRARY = {
 }
 # OpenCASCADE converts these formats
 IN_MILLIMETRES = (".step", ".stp", ".iges", ".igs")
+MOST_TRIANGLES = 10_000_000  # of a geometry file, foreseen from its area and mesh_size
 ALL_PACKAGES = "libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1"
 
 
-def read_geometry(path: Path, mesh_size: float | None = None, mesh_order: int | None = None) -> RawMesh:
+def read_geometry(
+    path: Path, mesh_size: float | None = None, mesh_order: int | None = None, allow_system: bool = False
+) -> RawMesh:
     """Mesh a geometry file in two dimensions.
 
     Parameters
@@ -49,17 +56,24 @@ def read_geometry(path: Path, mesh_size: float | None = None, mesh_order: int | 
     mesh_size : float, optional
         Edge length everywhere, instead of the sizes in the file.
     mesh_order : 1 or 2, optional
+    allow_system : bool
+        Whether the file may run programs and write files.
 
     Raises
     ------
     InputError
-        If gmsh cannot be loaded or cannot read or mesh the file; the message repeats gmsh's own.
+        If gmsh cannot be loaded or cannot read or mesh the file (the message repeats gmsh's own), if the file does
+        what it may not, holds solids whose faces are not named, or would give more than `MOST_TRIANGLES`.
     """
     if mesh_size is not None and not 0 < mesh_size < float("inf"):
         raise InputError(f"mesh_size must be a positive length, not {mesh_size}")
     if mesh_order not in (None, 1, 2):
         raise InputError(f"mesh_order must be 1 or 2, not {mesh_order}")
-    with tempfile.TemporaryDirectory(prefix="kshell-") as folder, opened(path, Path(folder)) as gmsh:
+    with (
+        tempfile.TemporaryDirectory(prefix="kshell-") as folder,
+        opened(path, Path(folder), allow_system) as gmsh,
+    ):
+        _require_surface(gmsh, path)
         target = Path(folder) / "mesh.msh"
         _mesh(gmsh, path, target, mesh_size, mesh_order)
         raw = read_gmsh(target, path.name)
@@ -71,7 +85,7 @@ def read_geometry(path: Path, mesh_size: float | None = None, mesh_order: int | 
 
 
 @contextmanager
-def opened(path: Path, folder: Path, purpose: str = "mesh it") -> Iterator[Any]:
+def opened(path: Path, folder: Path, allow_system: bool = False, purpose: str = "mesh it") -> Iterator[Any]:
     """The module gmsh with a geometry file opened in it; ended whatever happens.
 
     Parameters
@@ -79,15 +93,19 @@ def opened(path: Path, folder: Path, purpose: str = "mesh it") -> Iterator[Any]:
     path : Path
     folder : Path
         For files needed meanwhile.
+    allow_system : bool
+        Whether the file may run programs and write files.
     purpose : str
         What gmsh is wanted for, in messages.
 
     Raises
     ------
     InputError
-        If gmsh cannot be loaded, cannot read the file, or fails at anything done meanwhile; the message repeats
-        gmsh's own.
+        If gmsh cannot be loaded, cannot read the file, or fails at anything done meanwhile (the message repeats
+        gmsh's own), or if the file does what it may not.
     """
+    if not allow_system:
+        require_harmless(path)
     gmsh = _import_gmsh()
     with _session(gmsh):
         try:
@@ -161,9 +179,84 @@ def _silent_output() -> Iterator[None]:
         os.close(kept)
 
 
+def _require_surface(gmsh: Any, path: Path) -> None:
+    """Raise if the file holds solids and does not say which of their faces are meant."""
+    solids = gmsh.model.getEntities(3)
+    if not solids or gmsh.model.getPhysicalGroups(2):
+        return
+    is_cad = path.suffix.lower() not in (".geo", ".geo_unrolled")
+    faces = gmsh.model.getEntities(2)
+    sizes = [(_box_size(gmsh, tag), tag) for _, tag in faces]
+    largest = ", ".join(
+        f"{tag} around {place([0.5 * (a + b) for a, b in zip(*_box(gmsh, tag), strict=True)])}"
+        for _, tag in sorted(sizes, key=lambda face: -face[0])[:4]
+    )
+    merge = f'in a .geo file beside it, `SetFactory("OpenCASCADE"); Merge "{path.name}"; ' if is_cad else "`"
+    raise InputError(
+        f"{path.name}: holds {count(len(solids), 'solid')}, whose skin of {len(faces)} faces is not the midsurface of "
+        f'a shell. Name the faces that are meant, {merge}Physical Surface("plate") = {{{faces[0][1]}}};` (the largest '
+        f"are {largest}; of a closed shell all, `= Surface{{:}};`), or make the midsurface in the CAD program"
+    )
+
+
+def _box(gmsh: Any, tag: int) -> tuple[list[float], list[float]]:
+    x = gmsh.model.getBoundingBox(2, tag)
+    return list(x[:3]), list(x[3:])
+
+
+def _box_size(gmsh: Any, tag: int) -> float:
+    """An area that the surface may have: the sum of three sides of its box."""
+    low, high = _box(gmsh, tag)
+    a, b, c = (v - u for u, v in zip(low, high, strict=True))
+    return a * b + b * c + c * a
+
+
+def _foresee(gmsh: Any, path: Path, mesh_size: float) -> None:
+    """Raise before a mesh of far too many triangles is begun, 4 / sqrt(3) times area / mesh_size^2."""
+    per_area = 4 / 3**0.5 / mesh_size**2
+    area = sum(_box_size(gmsh, tag) for _, tag in gmsh.model.getEntities(2))
+    if area * per_area <= MOST_TRIANGLES:
+        return
+    low, high = gmsh.model.getBoundingBox(-1, -1)[:3], gmsh.model.getBoundingBox(-1, -1)[3:]
+    coarse = 0.05 * max(b - a for a, b in zip(low, high, strict=True))
+    if coarse > mesh_size:  # the area by a coarse mesh
+        gmsh.option.setNumber("Mesh.MeshSizeMin", coarse)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", coarse)
+        gmsh.model.mesh.generate(2)
+        area = _mesh_area(gmsh)
+        gmsh.model.mesh.clear()
+    if area * per_area > MOST_TRIANGLES:
+        enough = (area * 4 / 3**0.5 / MOST_TRIANGLES) ** 0.5
+        raise InputError(
+            f"{path.name}: mesh_size = {mesh_size:g} would make about {area * per_area:.2g} triangles of the area "
+            f"{area:.3g}. Is it in the unit of the geometry? {enough:.2g} or more is possible"
+        )
+
+
+def _mesh_area(gmsh: Any) -> float:
+    """Area of all triangles and quadrilaterals of the mesh in gmsh."""
+    tags, flat, _ = gmsh.model.mesh.getNodes()
+    place_of = np.empty(int(tags.max()) + 1, dtype=np.int64)
+    place_of[tags.astype(np.int64)] = np.arange(len(tags))
+    x = flat.reshape(-1, 3)
+    area = 0.0
+    types, _, nodes = gmsh.model.mesh.getElements(2)
+    for kind, of_kind in zip(types, nodes, strict=True):
+        width, corners = (
+            gmsh.model.mesh.getElementProperties(kind)[3],
+            gmsh.model.mesh.getElementProperties(kind)[5],
+        )
+        cells = place_of[of_kind.astype(np.int64)].reshape(-1, width)[:, :corners]
+        for k in range(1, corners - 1):
+            u, v = x[cells[:, k]] - x[cells[:, 0]], x[cells[:, k + 1]] - x[cells[:, 0]]
+            area += 0.5 * float(np.linalg.norm(np.cross(u, v), axis=1).sum())
+    return area
+
+
 def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_order: int | None) -> None:
     number = gmsh.option.setNumber
     if mesh_size is not None:
+        _foresee(gmsh, path, mesh_size)
         number("Mesh.MeshSizeMin", mesh_size)
         number("Mesh.MeshSizeMax", mesh_size)
     if mesh_order is not None:

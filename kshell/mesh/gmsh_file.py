@@ -1,4 +1,4 @@
-"""Reading .msh files of gmsh, versions 2.2 and 4.1, ASCII and binary, with every physical group.
+"""Reading .msh files of gmsh, versions 1 to 4.1, ASCII and binary, with every physical group.
 
 gmsh itself is not needed. meshio is not used: of a cell in several groups it keeps one tag only, and it
 never reads physical points.
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh import msh2, msh4, quads
+from kshell.mesh import msh2, msh4, msh_old, quads
 from kshell.mesh.gmsh_cells import LINES, POINT, QUADRILATERALS, TRIANGLES, CellBlock, kind_of_other
 from kshell.mesh.numbers import Section, sections
 from kshell.mesh.raw import RawGroup, RawMesh
@@ -36,7 +36,7 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
     Raises
     ------
     InputError
-        If the file is no MSH file of version 2.2 or 4.1, or is damaged.
+        If the file is no MSH file of version 1, 2 or 4, or is damaged.
     """
     source = source or path.name
     data = path.read_bytes()
@@ -47,9 +47,12 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
             f"{source}: not a gmsh file: it does not begin with $MeshFormat. Is it of another format or cut "
             "off?"
         )
+    if data.lstrip().startswith(b"$NOD"):
+        tags, points, blocks = msh_old.read_version_1(data, source)
+        return _raw_mesh(tags, points, blocks, {}, source)
     found = sections(data, source)
     if "MeshFormat" not in found:
-        raise InputError(f"{source}: MSH version 1 is not read. {OTHER_VERSION.format(name=source)}")
+        raise InputError(f"{source}: has no $MeshFormat. {OTHER_VERSION.format(name=source)}")
     version, binary, byte_order = _format(found["MeshFormat"])
     for name in ("Nodes", "Elements"):
         if name not in found:
@@ -60,6 +63,10 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
     if version == "2.2":
         tags, points = msh2.read_nodes(found["Nodes"], binary, byte_order)
         blocks = msh2.read_cells(found["Elements"], binary, byte_order)
+    elif version == "4.0":
+        old_entities = msh_old.read_entities(found["Entities"]) if "Entities" in found else {}
+        tags, points = msh_old.read_nodes(found["Nodes"])
+        blocks = msh_old.read_cells(found["Elements"], old_entities)
     else:
         entities: msh4.TagsOfEntity = {}
         if "Entities" in found:
@@ -87,6 +94,8 @@ def _format(section: Section) -> tuple[str, bool, str]:
     if len(words) < 3 or words[1] not in ("0", "1"):
         raise section.fail(f"is {' '.join(words)[:40]!r} instead of version, kind and size of numbers")
     version = {"2": "2.2", "2.0": "2.2", "2.1": "2.2", "2.2": "2.2", "4.1": "4.1"}.get(words[0])
+    if words[0] in ("4", "4.0") and words[1] == "0":  # gmsh writes it as text only
+        version = "4.0"
     if version is None:
         raise InputError(
             f"{section.source}: MSH version {words[0]} is not read. "

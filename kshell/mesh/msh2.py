@@ -29,6 +29,8 @@ def read_nodes(section: Section, binary: bool, byte_order: str) -> tuple[Ints, F
         record = np.dtype([("tag", f"{byte_order}i4"), ("x", f"{byte_order}f8", 3)])
         if n < 0 or len(rest.data) < n * record.itemsize:
             raise section.fail(f"ends before its {n} nodes have come")
+        if rest.data[n * record.itemsize :].strip():
+            raise section.fail(f"announces {n} nodes but holds more")
         nodes = np.frombuffer(rest.data, record, n)
         return nodes["tag"].astype(np.int64), nodes["x"].astype(float)
     numbers = rest.text_floats()
@@ -52,12 +54,13 @@ def _from_text(section: Section, numbers: Ints, n: int) -> list[CellBlock]:
     nodes_of = _node_table()
     # the length a record would have if it began at each position
     cell_type = np.clip(_shifted(numbers, 1), 0, len(nodes_of) - 1)
-    length = 3 + np.maximum(_shifted(numbers, 2), 0) + nodes_of[cell_type]
+    length = 3 + np.clip(_shifted(numbers, 2), 0, len(numbers)) + nodes_of[cell_type]
     start = _record_starts(length, n)
     if n and (len(start) < n or start[-1] + length[start[-1]] > len(numbers)):
         raise section.fail(f"ends before its {n} cells have come")
     types, n_tags = numbers[start + 1], numbers[start + 2]
     _raise_on_unknown(section, types, n_tags)
+    _raise_on_more(section, n, len(numbers) - (start[-1] + length[start[-1]] if n else 0))
     return _blocks(numbers, types, n_tags, start + 3)
 
 
@@ -73,6 +76,7 @@ def _from_binary(section: Section, numbers: Ints, n: int) -> list[CellBlock]:
         raise section.fail(f"ends before its {n} cells have come")
     types, n_tags = numbers[header], numbers[header + 2]
     _raise_on_unknown(section, types, n_tags)
+    _raise_on_more(section, n, len(numbers) - (header[-1] + length[header[-1]] if n else 0))
     # every cell of every run, as if it had a header of its own
     repeats = n_cells[header]
     rank = np.arange(repeats.sum()) - np.repeat(np.cumsum(repeats) - repeats, repeats)
@@ -132,3 +136,10 @@ def _raise_on_unknown(section: Section, types: Ints, n_tags: Ints) -> None:
         raise section.fail(f"holds a cell of the unknown type {types[~known][0]}")
     if (n_tags < 0).any():
         raise section.fail("holds a cell with a negative number of tags")
+
+
+def _raise_on_more(section: Section, n: int, numbers: int) -> None:
+    if numbers > 0:
+        raise section.fail(
+            f"announces {n} cells, after which {numbers} numbers more follow: a count is too small or a line too long"
+        )

@@ -41,6 +41,7 @@ def _entities(numbers: Numbers, counts: list[int], partitioned: bool) -> TagsOfE
             tags[dimension, entity] = tuple(numbers.integers("int", numbers.integer("size")).tolist())
             if dimension > 0:
                 numbers.integers("int", numbers.integer("size"))  # what bounds it
+    numbers.end()
     return tags
 
 
@@ -55,6 +56,7 @@ def read_nodes(section: Section, binary: bool, byte_order: str) -> tuple[Ints, F
         tags.append(numbers.integers("size", n))
         width = 3 + (dimension if parametric else 0)
         points.append(numbers.doubles(n * width).reshape(n, width)[:, :3])
+    numbers.end()
     all_tags, all_points = np.concatenate(tags), np.concatenate(points)
     if len(all_tags) != n_nodes:
         raise section.fail(f"announces {n_nodes} nodes but holds {len(all_tags)}")
@@ -75,6 +77,7 @@ def read_cells(section: Section, binary: bool, byte_order: str, tags: TagsOfEnti
         nodes = numbers.integers("size", n * width).reshape(n, width)[:, 1:]
         number = (entity,) if dimension > 0 and (dimension, entity) in tags else ()
         blocks.append(CellBlock(cell_type, nodes, tags.get((dimension, entity), ()), number))
+    numbers.end()
     if sum(len(block.nodes) for block in blocks) != n_cells:
         raise section.fail(f"announces {n_cells} cells but holds {sum(len(block.nodes) for block in blocks)}")
     return blocks

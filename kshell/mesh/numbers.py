@@ -57,13 +57,17 @@ _WHOLE = re.compile(rb"[+-]?\d+")
 _NUMBER = re.compile(rb"[+-]?(\d+\.?\d*([eEdD][+-]?\d+)?|\.\d+([eE][+-]?\d+)?|nan|inf)", re.IGNORECASE)
 
 
+# sections that hold the mesh and its groups
+ONCE = ("MeshFormat", "PhysicalNames", "Entities", "PartitionedEntities", "Nodes", "Elements")
+
+
 def sections(data: bytes, source: str) -> dict[str, Section]:
     """The sections of a gmsh file by name. Of sections that may repeat (data) the first is kept.
 
     Raises
     ------
     InputError
-        If a section is not ended.
+        If a section is not ended, or one that a mesh is made of comes twice.
     """
     found: dict[str, Section] = {}
     at = 0
@@ -78,7 +82,10 @@ def sections(data: bytes, source: str) -> dict[str, Section]:
         if end < 0:
             short = Section(name[:40], b"", source)
             raise short.fail("is not ended")
-        found.setdefault(name, Section(name, data[line_end + 1 : end], source))
+        section = Section(name, data[line_end + 1 : end], source)
+        if name in found and name in ONCE:
+            raise section.fail("comes twice")
+        found.setdefault(name, section)
         at = end + len(name) + 4
 
 
@@ -117,6 +124,18 @@ class Numbers:
     def doubles(self, number: int) -> Floats:
         """The next `number` floating-point numbers."""
         return self._take("double", number).astype(np.float64)
+
+    def fail(self, why: str) -> InputError:
+        """An error that names the file and the section."""
+        return self._section.fail(why)
+
+    def end(self) -> None:
+        """Raise if anything follows."""
+        text, data = self._text, self._section.data
+        if (len(text) > self._at) if text is not None else data[self._at :].strip():
+            raise self._section.fail(
+                "holds more than it announces: a count is too small, of cells or nodes or of their blocks"
+            )
 
     def _take(self, kind: str, number: int) -> NDArray[Any]:
         if number < 0:

@@ -37,7 +37,7 @@ FOOT_STEPS = 4  # of the search for the foot of a perpendicular
 HALVINGS = 50  # of the search for the middle of an arc
 
 
-def put_on_geometry(mesh: Mesh, path: Path) -> Mesh:
+def put_on_geometry(mesh: Mesh, path: Path, allow_system: bool = False) -> Mesh:
     """The mesh of order 2 whose mid-edge nodes lie on a geometry.
 
     Parameters
@@ -46,6 +46,8 @@ def put_on_geometry(mesh: Mesh, path: Path) -> Mesh:
         Of order 1, its vertices on the geometry.
     path : Path
         .geo, .step, .brep or .iges.
+    allow_system : bool
+        Whether the geometry file may run programs and write files.
 
     Returns
     -------
@@ -65,7 +67,7 @@ def put_on_geometry(mesh: Mesh, path: Path) -> Mesh:
         )
     with (
         tempfile.TemporaryDirectory(prefix="kshell-") as folder,
-        opened(path, Path(folder), "put the mesh on it") as gmsh,
+        opened(path, Path(folder), allow_system, "put the mesh on it") as gmsh,
     ):
         finder = _Finder(mesh, path, gmsh.model)
         midpoints, loose = finder.midpoints()

@@ -26,6 +26,7 @@ def read_mesh(
     mesh_size: float | None = None,
     mesh_order: int | None = None,
     geometry: str | os.PathLike[str] | None = None,
+    allow_system: bool = False,
 ) -> Mesh:
     """A checked mesh from a file or an object.
 
@@ -40,6 +41,9 @@ def read_mesh(
     geometry : path, optional
         .geo, .step, .brep or .iges from which a mesh of order 1 was made: it becomes one of order 2 with its
         mid-edge nodes on the curves and surfaces there.
+    allow_system : bool
+        Whether geometry files may run programs and write files, as the language of gmsh allows; otherwise they are
+        refused when they would.
 
     Notes
     -----
@@ -51,7 +55,7 @@ def read_mesh(
         If the source cannot be read, or the mesh is not one of usable triangles, or not one of `geometry`.
     """
     if geometry is not None:
-        return _on_geometry(source, Path(geometry), mesh_size, mesh_order)
+        return _on_geometry(source, Path(geometry), mesh_size, mesh_order, allow_system)
     is_path = isinstance(source, (str, os.PathLike))
     path = Path(source) if is_path else None
     is_geometry = path is not None and path.suffix.lower() in GEOMETRY_SUFFIXES
@@ -72,7 +76,7 @@ def read_mesh(
     if is_geometry:
         from kshell.mesh.geometry_file import read_geometry
 
-        return _quick_to_walk(build(read_geometry(path, mesh_size, mesh_order), Mesh))
+        return _quick_to_walk(build(read_geometry(path, mesh_size, mesh_order, allow_system), Mesh))
     if path.suffix.lower() == ".msh" or _begins_like_gmsh(path):
         from kshell.mesh.gmsh_file import read_gmsh
 
@@ -87,7 +91,9 @@ def read_mesh(
     return _quick_to_walk(build(read_foreign(path), Mesh))
 
 
-def _on_geometry(source: Any, path: Path, mesh_size: float | None, mesh_order: int | None) -> Mesh:
+def _on_geometry(
+    source: Any, path: Path, mesh_size: float | None, mesh_order: int | None, allow_system: bool
+) -> Mesh:
     from kshell.mesh.on_geometry import put_on_geometry
 
     if path.suffix.lower() not in GEOMETRY_SUFFIXES:
@@ -102,7 +108,7 @@ def _on_geometry(source: Any, path: Path, mesh_size: float | None, mesh_order: i
         )
     mesh = read_mesh(source, mesh_size, mesh_order)
     _require_file(path, "geometry")
-    return put_on_geometry(mesh, path)
+    return put_on_geometry(mesh, path, allow_system)
 
 
 def _quick_to_walk(mesh: Mesh) -> Mesh:
@@ -138,4 +144,4 @@ def _require_file(path: Path, what: str = "mesh") -> None:
 
 def _begins_like_gmsh(path: Path) -> bool:
     with path.open("rb") as file:
-        return file.read(11) == b"$MeshFormat"
+        return file.read(11).startswith((b"$MeshFormat", b"$NOD"))

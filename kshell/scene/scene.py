@@ -210,8 +210,13 @@ class Scene:
         materials = [self.material] if self.layers is None else [layer.material for layer in self.layers]
         return any(material.density == 0.0 for material in materials)
 
-    def read_mesh(self) -> Mesh:
+    def read_mesh(self, allow_system: bool = False) -> Mesh:
         """The mesh of the scene, read and checked.
+
+        Parameters
+        ----------
+        allow_system : bool
+            Whether geometry files may run programs and write files.
 
         Raises
         ------
@@ -220,7 +225,7 @@ class Scene:
         """
         from kshell.mesh import read_mesh
 
-        return read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry)
+        return read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry, allow_system)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:

@@ -69,20 +69,21 @@ def test_curved_sides_at_order_2(geo):
 
 
 @pytest.mark.parametrize("suffix", ["step", "brep"])
-def test_surfaces_of_solids(tmp_path, suffix):
-    """A closed box as a shell: its sides are called by gmsh's numbers."""
+def test_surfaces_of_cad_files(tmp_path, suffix):
+    """Two faces: they are called by gmsh's numbers."""
     import gmsh
 
     path = tmp_path / f"box.{suffix}"
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.model.occ.addBox(0, 0, 0, 1, 1, 1)
+    gmsh.model.occ.addRectangle(0, 0, 0, 2, 1)
+    gmsh.model.occ.addRectangle(3, 0, 0, 1, 1)
     gmsh.model.occ.synchronize()
     gmsh.write(str(path))
     gmsh.finalize()
     mesh = read_mesh(path, 0.5)
-    assert len(mesh.boundary_edges) == 0
-    assert {f"2:{k}" for k in range(1, 7)} <= set(mesh.groups)
+    assert mesh.areas.sum() == pytest.approx(3.0)
+    assert {"2:1", "2:2"} <= set(mesh.groups)
     assert any("no physical groups" in note for note in mesh.notes)
     assert any("millimetres" in note for note in mesh.notes) == (suffix == "step")
 
@@ -221,3 +222,58 @@ def test_a_session_of_the_caller_is_left_alone(geo):
         assert gmsh.isInitialized()
     finally:
         gmsh.finalize()
+
+
+BOX = 'SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1000, 500, 10};\nMesh.MeshSizeMin = 200;\n'
+
+
+def test_a_solid_is_not_its_skin(geo):
+    with pytest.raises(
+        InputError, match=r"holds 1 solid, whose skin of 6 faces.*Physical Surface\(.plate.\)"
+    ):
+        read_mesh(geo(BOX))
+    mesh = read_mesh(geo(BOX + 'Physical Surface("mid") = {5};\n'))
+    assert mesh.areas.sum() == pytest.approx(5e5)
+    assert list(mesh.groups) == ["mid"]
+
+
+def test_a_solid_in_a_cad_file(geo, tmp_path):
+    import gmsh
+
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(geo(BOX)))
+        gmsh.write(str(tmp_path / "box.step"))
+    finally:
+        gmsh.finalize()
+    with pytest.raises(InputError, match=r"box\.step: holds 1 solid.*Merge .box\.step."):
+        read_mesh(tmp_path / "box.step")
+    with pytest.raises(InputError, match=r"6 around \(500, 250, 10\)"):
+        read_mesh(tmp_path / "box.step", 100.0)
+    everything = 'SetFactory("OpenCASCADE"); Merge "box.step"; Physical Surface("skin") = Surface{:};\n'
+    assert len(read_mesh(geo(everything), 200.0).boundary_edges) == 0
+    way_out = 'SetFactory("OpenCASCADE"); Merge "box.step"; Physical Surface("mid") = {6};\nMesh.MeshSizeMin = 200;\n'
+    mesh = read_mesh(geo(way_out))
+    assert mesh.areas.sum() == pytest.approx(5e5)
+    assert mesh.points[:, 2] == pytest.approx(10.0)
+
+
+def test_far_too_small_sizes_are_foreseen(geo):
+    with pytest.raises(
+        InputError, match=r"mesh_size = 1e-07 would make about 2\.3e\+14 triangles of the area 1\."
+    ):
+        read_mesh(geo(SQUARE), 1e-7)
+    sphere = 'SetFactory("OpenCASCADE");\nSphere(1) = {0, 0, 0, 10};\nPhysical Surface("s") = {1};\n'
+    with pytest.raises(InputError, match=r"triangles of the area 1\.2\de\+03. Is it in the unit"):  # 4 pi 100
+        read_mesh(geo(sphere), 1e-4)
+    # a box around the surfaces of a thin ring is much larger than they are
+    ring = 'SetFactory("OpenCASCADE");\nDisk(1) = {0, 0, 0, 1};\nDisk(2) = {0, 0, 0, 0.999};\n'
+    ring += "BooleanDifference{ Surface{1}; Delete; }{ Surface{2}; Delete; }\n"
+    assert read_mesh(geo(ring), 1e-3).areas.sum() == pytest.approx(np.pi * (1 - 0.999**2), rel=1e-3)
+
+
+def test_quadrilaterals_of_a_geometry(geo):
+    mesh = read_mesh(geo(SQUARE + "Recombine Surface{1};\n"))
+    assert mesh.areas.sum() == pytest.approx(1.0)
+    assert "split into triangles" in mesh.notes[0]

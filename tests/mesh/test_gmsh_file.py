@@ -224,8 +224,9 @@ GOOD = msh2_text(TRIANGLE, ["2 1 1 2 3", "2 1 2 4 3"])
 DAMAGED = {
     "empty": ("", "the file is empty"),
     "other format": ("hello world", "not a gmsh file"),
-    "version 1": ("$NOD\n1\n1 0 0 0\n$ENDNOD\n", "is not ended|version 1"),
-    "version 4.0": (GOOD.replace("2.2 0 8", "4 0 8"), "version 4 is not read.*msh41"),
+    "version 1": ("$NOD\n1\n1 0 0 0\n$ENDNOD\n", r"has no \$ELM"),
+    "version 4.0": (GOOD.replace("2.2 0 8", "4 0 8"), "The file is damaged"),
+    "version 3": (GOOD.replace("2.2 0 8", "3 0 8"), "version 3 is not read.*msh41"),
     "format line": (GOOD.replace("2.2 0 8", "2.2"), "MeshFormat"),
     "cut off": (GOOD[: GOOD.index("$EndElements")], "Elements is not ended"),
     "nodes missing": (GOOD.replace("4\n1 0", "5\n1 0"), "announces 5 nodes"),
@@ -279,4 +280,112 @@ def test_noise_instead_of_a_file(tmp_path):
     ):
         path.write_bytes(data)
         with pytest.raises(InputError):
+            read_mesh(path)
+
+
+@pytest.mark.parametrize("version", [1.0, 4.0])
+@pytest.mark.parametrize("order", [1, 2])
+def test_old_versions(tmp_path, version, order):
+    write_with_gmsh(tmp_path / "old.msh", version, False, order, False)
+    write_with_gmsh(tmp_path / "new.msh", 4.1, False, order, False)
+    old, new = read_mesh(tmp_path / "old.msh"), read_mesh(tmp_path / "new.msh")
+    assert old.order == order
+    np.testing.assert_allclose(sorted(old.points.tolist()), sorted(new.points.tolist()), atol=1e-12)
+    places, expected = group_places(old), group_places(new)
+    if version == 1.0:  # knows no names
+        tags = {f"{group.dimension}:{group.tag}": name for name, group in new.groups.items()}
+        expected = {name: expected[tags[name]] for name in places}
+        assert len(places) == len(new.groups)
+    assert places == expected
+
+
+@pytest.mark.parametrize("version", [1.0, 4.0])
+@pytest.mark.parametrize("section", ["NOD", "ELM", "Nodes", "Elements"])
+def test_wrong_counts_in_old_versions(tmp_path, version, section):
+    path = tmp_path / "old.msh"
+    write_with_gmsh(path, version, False, 1, False)
+    lines = path.read_text().splitlines()
+    if f"${section}" not in lines:
+        assert section.isupper() != (version == 1.0)
+        return
+    at = lines.index(f"${section}") + 1
+    *blocks, number = lines[at].split()
+    for change in (-5, -1, 1):
+        lines[at] = " ".join([*blocks, str(int(number) + change)])
+        path.write_text("\n".join(lines))
+        with pytest.raises(InputError, match="The file is damaged"):
+            read_mesh(path)
+    lines[at] = " ".join([*blocks, number])
+    lines[at + 1] += " 7"
+    path.write_text("\n".join(lines))
+    with pytest.raises(InputError, match="The file is damaged"):
+        read_mesh(path)
+
+
+def counted(tmp_path, version, binary=False):
+    path = tmp_path / "mesh.msh"
+    write_with_gmsh(path, version, binary, 1, False)
+    return path, path.read_bytes().split(b"\n")
+
+
+def test_wrong_counts_in_version_2(tmp_path):
+    path, lines = counted(tmp_path, 2.2)
+    nodes, cells, end = (lines.index(word) for word in (b"$Nodes", b"$Elements", b"$EndElements"))
+    wrong = {
+        "fewer cells": {cells + 1: b"%d" % (int(lines[cells + 1]) - 1)},
+        "no cells": {cells + 1: b"0"},
+        "more cells": {cells + 1: b"%d" % (int(lines[cells + 1]) + 1)},
+        "fewer nodes": {nodes + 1: b"%d" % (int(lines[nodes + 1]) - 1)},
+        "more nodes": {nodes + 1: b"%d" % (int(lines[nodes + 1]) + 1)},
+        "a word more": {end - 1: lines[end - 1] + b" 3"},
+        "a word less": {end - 1: lines[end - 1].rsplit(None, 1)[0]},
+        "a cell again": {end - 1: lines[end - 1] + b"\n" + lines[end - 1]},
+        "endless tags": {end - 1: b"1 2 9223372036854775807 1 2 3"},
+        "tags less than none": {end - 1: b"1 2 -9223372036854775807 1 2 3"},
+        "cells again": {end: b"\n".join([lines[end], *lines[cells : end + 1]])},
+        "nodes again": {end: b"\n".join([lines[end], *lines[nodes:cells]])},
+    }
+    for name, changes in wrong.items():
+        path.write_bytes(b"\n".join(changes.get(k, line) for k, line in enumerate(lines)))
+        with pytest.raises(InputError, match="The file is damaged"):
+            read_mesh(path)
+        assert name
+
+
+def test_wrong_counts_in_version_4(tmp_path):
+    path, lines = counted(tmp_path, 4.1)
+    nodes, cells, end = (lines.index(word) for word in (b"$Nodes", b"$Elements", b"$EndElements"))
+    head = lines[cells + 1].split()
+    # the first line of the last block of cells
+    block = max(
+        k for k in range(cells + 2, end) if lines[k].split()[:1] == [b"2"] and len(lines[k].split()) == 4
+    )
+    of_block = lines[block].split()
+
+    def less(words, k):
+        return b" ".join([*words[:k], b"%d" % (int(words[k]) - 1), *words[k + 1 :]])
+
+    wrong = [
+        {cells + 1: less(head, 0)},
+        {cells + 1: less(head, 1)},
+        {block: less(of_block, 3)},
+        {block: less(of_block, 3), cells + 1: less(head, 1)},
+        {nodes + 1: less(lines[nodes + 1].split(), 0)},
+        {nodes + 1: less(lines[nodes + 1].split(), 1)},
+        {end: b"\n".join([lines[end], *lines[cells : end + 1]])},
+    ]
+    for changes in wrong:
+        path.write_bytes(b"\n".join(changes.get(k, line) for k, line in enumerate(lines)))
+        with pytest.raises(InputError, match="The file is damaged"):
+            read_mesh(path)
+
+
+@pytest.mark.parametrize("version", [2.2, 4.1])
+def test_wrong_counts_in_binary_files(tmp_path, version):
+    path, _ = counted(tmp_path, version, binary=True)
+    data = path.read_bytes()
+    for section in (b"$Nodes", b"$Elements"):
+        end = data.index(b"$End" + section[1:])
+        path.write_bytes(data[:end] + bytes(range(1, 41)) + b"\n" + data[end:])
+        with pytest.raises(InputError, match="The file is damaged"):
             read_mesh(path)

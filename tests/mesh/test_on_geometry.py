@@ -31,7 +31,11 @@ def written(folder, make, size, suffix="brep"):
         gmsh.write(str(path))
     finally:
         gmsh.finalize()
-    return path, read_mesh(path, size, 1)
+    named = folder / "named.geo"
+    named.write_text(
+        f'SetFactory("OpenCASCADE"); Merge "{path.name}";\nPhysical Surface("skin") = Surface{{:}};\n'
+    )
+    return path, read_mesh(named, size, 1)
 
 
 # off the surface by
