@@ -11,7 +11,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from kshell.equilibrium.load_steps import Crossing, March
+from kshell.equilibrium.march import Crossing, March
 from kshell.equilibrium.path import Arc, Critical
 from kshell.equilibrium.problem import State
 from kshell.errors import InputError

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.load_steps import EASY, HARD, MOST_ATTEMPTS, SMALLEST_STEP, March
+from kshell.equilibrium.load_steps import EASY, HARD, MOST_ATTEMPTS, SMALLEST_STEP
+from kshell.equilibrium.march import March
 from kshell.equilibrium.path import Critical, PathFollower
 from kshell.equilibrium.problem import Problem, State
 from kshell.errors import SolveError

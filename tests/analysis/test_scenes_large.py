@@ -195,8 +195,8 @@ def test_path_through_limit_points(roof_result, tmp_path):
 )
 def test_load_that_cannot_grow_leaves_the_last_good_state(options, monkeypatch):
     """Neither jumps nor a long way round are allowed."""
-    monkeypatch.setattr("kshell.equilibrium.load_steps.MOST_JUMPS", 0)
-    monkeypatch.setattr("kshell.equilibrium.load_steps.MOST_ARC_STEPS", 2)
+    monkeypatch.setattr("kshell.equilibrium.limit_points.MOST_JUMPS", 0)
+    monkeypatch.setattr("kshell.equilibrium.limit_points.MOST_ARC_STEPS", 2)
     with pytest.raises(ks.SolveError, match="cannot be increased beyond the factor") as caught:
         ks.solve(large_scenes.roof(2, order=2), steps=4, **options)
     state = caught.value.state
