@@ -16,11 +16,13 @@ from kshell.errors import InputError
 from kshell.material.laminate import NEGLIGIBLE_COUPLING
 from kshell.mesh.check import is_flat
 from kshell.mesh.facets import facets
+from kshell.mesh.words import place
+from kshell.scene.lines import shell_lines
 from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Structure
 from kshell.scene.supports import Hinge
-from kshell.shell.chart.limits import THINNEST
+from kshell.shell.chart.limits import JUMP_INSIDE, THINNEST
 from kshell.solvers.memory import SHARE, available_bytes
 
 # up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
@@ -202,16 +204,14 @@ def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelCho
     if options.element == "argyris":
         return ModelChoice("shell", "argyris", 5, (why, "element argyris: as asked for"))
     thickness, size = _largest_thickness(structure), _size_on_chart(structure)
-    if thickness >= THINNEST * size and not _beyond_argyris(structure):
+    beyond = _beyond_argyris(structure)
+    if thickness >= THINNEST * size and not beyond:
         reason = (
             "element argyris: the chart is smooth and not very thin, so quintics need the fewest unknowns"
         )
         return ModelChoice("shell", "argyris", 5, (why, reason))
     order, reason = _order(structure, options)
-    what = (
-        _beyond_argyris(structure)
-        or f"thickness {thickness:.3g} is small against the size {size:.3g}: no locking"
-    )
+    what = beyond or f"thickness {thickness:.3g} is small against the size {size:.3g}: no locking"
     return ModelChoice("shell", "koiter", order, (why, f"element koiter: {what}", reason))
 
 
@@ -225,6 +225,10 @@ def _beyond_argyris(structure: Structure) -> str:
     for placed in structure.loads:
         if getattr(placed.item, "follower", False):
             return f"{placed.item} needs it"
+    lines = shell_lines(structure)
+    if lines.any():
+        at = structure.space.points[structure.space.edges[np.argmax(lines)]].mean(axis=0)
+        return f"derivatives of the displacement {JUMP_INSIDE}, for example at {place(at)}"
     return ""
 
 

@@ -23,7 +23,7 @@ from scipy.sparse.csgraph import connected_components
 
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.plate.domain import Domain
-from kshell.plate.lines import InnerLines
+from kshell.scene.lines import InnerLines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -21,7 +21,6 @@ from kshell.plate.domain import Domain
 from kshell.plate.fans import make_fans
 from kshell.plate.forms import Bending, Form
 from kshell.plate.layout import Layout
-from kshell.plate.lines import inner_lines
 from kshell.plate.loading import LOAD_DEGREE
 from kshell.plate.loads import Loads, apply_loads
 from kshell.plate.pattern import FullPattern, Pattern
@@ -30,6 +29,7 @@ from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import require_held
 from kshell.plate.space import plate_space
 from kshell.plate.supports import Supports, apply_supports
+from kshell.scene.lines import inner_lines
 from kshell.scene.structure import Structure
 from kshell.solvers import PlateSpace
 from kshell.solvers.dense import DENSE_UP_TO

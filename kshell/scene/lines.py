@@ -1,9 +1,12 @@
-"""Lines inside a plate across which derivatives of the deflection jump, found from the structure.
+"""Lines inside a plate or shell across which derivatives of the displacement jump, found from the structure.
 
-Second derivatives jump where the stiffness or the free curvature does, and along lines that hold the rotation,
-by a support or a spring: the bending moment across such a line differs from side to side, or the curvature that
+Second derivatives of the deflection jump where the stiffness or the free curvature does, and along lines that hold
+the rotation, by a support or a spring: the bending moment across such a line differs from side to side, or the curvature that
 belongs to it does. Third derivatives jump at line loads, at lines that hold the deflection alone and at borders of
 loaded surfaces; there it matters only that a curved line is followed.
+
+In a shell membrane forces jump along every line that carries or holds something in its plane, and with them first
+derivatives of the displacement.
 """
 
 from __future__ import annotations
@@ -17,7 +20,16 @@ from numpy.typing import NDArray
 
 from kshell.material.section import Section
 from kshell.mesh.mesh import Mesh
-from kshell.scene.loads import InitialCurvature, Load, Temperature
+from kshell.mesh.select import Selection
+from kshell.scene.loads import (
+    EdgeMoment,
+    InitialCurvature,
+    InitialStrain,
+    LineForce,
+    Load,
+    Temperature,
+    Traction,
+)
 from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic, Support
 from kshell.values.varying import is_constant
@@ -90,8 +102,8 @@ def _of_support(placed: Placed[Support], mesh: Mesh, inside: Flags, out: InnerLi
 def _of_load(placed: Placed[Load], mesh: Mesh, inside: Flags, sides: _Sides, out: InnerLines) -> None:
     load, selection = placed.item, placed.place
     if isinstance(load, Temperature | InitialCurvature):
-        shape = load.gradient if isinstance(load, Temperature) else load.value
-        if selection is None and is_constant(shape):
+        shapes = (load.gradient, load.expansion) if isinstance(load, Temperature) else (load.value,)
+        if selection is None and all(is_constant(shape) for shape in shapes):
             return
         on = np.zeros(len(mesh.triangles), dtype=bool)
         on[placed.members(mesh)] = True
@@ -104,6 +116,29 @@ def _of_load(placed: Placed[Load], mesh: Mesh, inside: Flags, sides: _Sides, out
         out.loaded[_border(mesh, selection.members)] = True
     elif selection is not None and selection.dimension == 1:
         out.loaded[selection.members[inside[selection.members]]] = True
+
+
+def shell_lines(structure: Structure) -> Flags:
+    """(edge,) edges inside a shell across which first or second derivatives of the displacement jump."""
+    mesh, lines = structure.space, inner_lines(structure)
+    inside, out = mesh.edge_counts > 1, lines.jump.copy()
+    for support in structure.supports:
+        if support.item.freedoms and support.place is not None and support.place.dimension > 0:
+            out[_inner(support.place, mesh, inside)] = True
+    for load in structure.loads:
+        if (
+            isinstance(load.item, LineForce | EdgeMoment | Temperature | InitialStrain | Traction)
+            and load.place
+        ):
+            out[_inner(load.place, mesh, inside)] = True
+    return out
+
+
+def _inner(place: Selection, mesh: Mesh, inside: Flags) -> Ints:
+    """The edges inside of a curve, or of the border of a surface."""
+    if place.dimension == 2:
+        return _border(mesh, place.members)
+    return place.members[inside[place.members]].astype(np.int64)
 
 
 def _border(mesh: Mesh, triangles: NDArray[np.integer]) -> Ints:
