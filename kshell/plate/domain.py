@@ -221,6 +221,21 @@ class Domain:
         s, w = interval_rule(count)
         return self.edge_points(edges, s, w, side)
 
+    def shared_edge_patch(self, edges: Ints, count: int) -> EdgePatch:
+        """The same with edges inside seen from both sides with half their length, for functions that jump there."""
+        edges = np.asarray(edges, dtype=np.int64)
+        inside = self.mesh.edge_counts[edges] > 1
+        first = self.edge_patch(edges, count)
+        if not inside.any():
+            return first
+        second = self.edge_patch(edges[inside], count, side=1)
+        parts = {
+            name: np.concatenate([getattr(first, name), getattr(second, name)])
+            for name in ("edges", "triangles", "xi", "xy", "weights", "normal", "curvature")
+        }
+        parts["weights"][np.append(inside, np.ones(int(inside.sum()), dtype=bool))] *= 0.5
+        return EdgePatch(**parts)
+
     def edge_points(self, edges: Ints, s: Floats, w: Floats, side: int = 0) -> EdgePatch:
         """Given points s in [0, 1] (from the lower to the higher vertex) along edges."""
         edges = np.asarray(edges, dtype=np.int64)

@@ -135,10 +135,10 @@ class EdgeSpring(Form):
     degree: int | None = None
 
     def __post_init__(self) -> None:
-        self.patch: EdgePatch = self.domain.edge_patch(self.edges, self.element.maxdeg + 2)
+        self.patch = edge_patch_for(self.domain, self.element, self.edges)
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
-        yield np.arange(len(self.edges)), self.patch.triangles
+        yield np.arange(len(self.patch.edges)), self.patch.triangles
 
     def rows(self, positions: Ints, transform: Floats) -> Floats:
         """w, or w_n, at the edge's points: (n, point, 1, local)."""
@@ -172,6 +172,12 @@ class PointSpring(Form):
         rows = np.linalg.solve(np.swapaxes(m, 1, 2), self.rows[positions, :, None])
         reduced = np.swapaxes(rows, 1, 2) @ transform
         return self.stiffness[positions, None, None] * np.swapaxes(reduced, 1, 2) @ reduced
+
+
+def edge_patch_for(domain: Domain, element: PlateElement, edges: Ints) -> EdgePatch:
+    """Gauss points for products along edges; Morley functions jump across them, so that both sides count alike."""
+    points = element.maxdeg + 2
+    return domain.edge_patch(edges, points) if element.maxdeg > 2 else domain.shared_edge_patch(edges, points)
 
 
 def edge_rows(

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements import PlateElement, matrices
-from kshell.plate.domain import Domain, EdgePatch, Patch
-from kshell.plate.forms import Bending, edge_rows
+from kshell.plate.domain import Domain, Patch
+from kshell.plate.forms import Bending, edge_patch_for, edge_rows
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -131,13 +131,13 @@ class EdgeLoad:
     everywhere = False
 
     def __post_init__(self) -> None:
-        self.patch: EdgePatch = self.domain.edge_patch(self.edges, self.element.maxdeg + 2)
+        self.patch = edge_patch_for(self.domain, self.element, self.edges)
 
     def times(self, factor: float) -> EdgeLoad:
         return replace(self, value=lambda xy: factor * self.value(xy))
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
-        yield np.arange(len(self.edges)), self.patch.triangles
+        yield np.arange(len(self.patch.edges)), self.patch.triangles
 
     def vectors(self, positions: Ints, transform: Floats) -> Floats:
         affine = self.domain.affine(self.patch.triangles[positions])

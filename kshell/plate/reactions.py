@@ -1,8 +1,9 @@
 """Reactions of the supports, concentrated corner forces, and the check of equilibrium.
 
 The residual K d - f of the degrees of freedom that supports hold is the work of the reactions on unit
-motions; on rigid motions it gives forces and moments without any differentiation of the solution. A
-vertex that several supports hold is shared equally between them.
+motions; on rigid motions it gives forces and moments without any differentiation of the solution. At a
+vertex that several supports hold, each gets what its conditions carry, equal ones equally: with R the rows of all of
+them, the smallest multipliers with R^T lambda = residual.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from kshell.result.deferred import Deferred
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+SAME_ROWS = 1e-2  # singular value of rows, over the largest, below which they depend on each other
 
 
 @dataclass(frozen=True)
@@ -74,9 +77,9 @@ class ReactionFinder:
         r = residual(self.forms, linear, self.domain, self.reduction, d, self.near)
         slopes = self._release_slopes(r)
         totals: dict[str, Floats] = {}
-        share = self._shares()
-        for group in self.supports.held:
-            total = self._at_vertices(r, group.vertices, share) + self._at_edges(r, slopes, group.edges)
+        shared = self._shared(r)
+        for number, group in enumerate(self.supports.held):
+            total = self._at_vertices(r, number, shared) + self._at_edges(r, slopes, group.edges)
             totals[group.label] = totals.get(group.label, np.zeros(3)) + total
         # what springs, and the consistency terms of curved edges, exert over the plate's own residual
         for label, form in [*self.supports.springs, *self.supports.holds]:
@@ -88,12 +91,46 @@ class ReactionFinder:
         groups = {label: self._document(label, total, corners) for label, total in totals.items()}
         return Reactions(groups, self._balance(totals, loads))
 
-    def _shares(self) -> Floats:
-        """(vertex,) part of each vertex that falls to each support that holds it."""
-        count = np.zeros(len(self.domain.mesh.points))
-        for group in self.supports.held:
+    def _shared(self, r: Floats) -> dict[int, dict[int, Floats]]:
+        """Work (per_vertex,) that falls to each group, by its number, at vertices that several groups hold."""
+        held, conditions, layout = self.supports.held, self.supports.conditions, self.layout
+        count = np.zeros(len(self.domain.mesh.points), dtype=np.int64)
+        for group in held:
             count[group.vertices] += 1
-        return 1.0 / np.maximum(count, 1.0)
+        several = count > 1
+        rows: dict[int, list[Floats]] = {v: [] for v in np.flatnonzero(several).tolist()}
+        owner: dict[int, list[int]] = {v: [] for v in rows}
+        for number, group in enumerate(held):
+            for k in group.rows:
+                fans = conditions.fans[k]
+                vertices = layout.fans.vertex[fans]
+                mine = np.flatnonzero(several[vertices])
+                on_vertices = self.reduction.rows_at_vertices(conditions.rows[k][mine], fans[mine])
+                for v, row in zip(vertices[mine].tolist(), on_vertices, strict=True):
+                    rows[v].append(row)
+                    owner[v].append(number)
+        for v, tie_rows in self.reduction.ties_of(list(rows)):
+            rows[v] += list(tie_rows)
+            owner[v] += [-1] * len(tie_rows)
+        return {v: self._split(v, np.array(rows[v]), np.array(owner[v]), r) for v in rows}
+
+    def _split(self, vertex: int, rows: Floats, owner: Ints, r: Floats) -> dict[int, Floats]:
+        """The work of the residual at one vertex, group by group, from rows (n, width) of the groups."""
+        slots = self.reduction.slots[self.reduction.vertex_place[vertex]]
+        scale = self.layout.scale[slots]
+        scaled = np.where(slots >= 0, r[slots] * scale, 0.0)
+        multiplier = np.linalg.lstsq(rows.T, scaled, rcond=SAME_ROWS)[0]
+        b = self.layout.per_vertex
+        first = scale[:b]
+        groups = [number for number in np.unique(owner).tolist() if number >= 0]
+        rest = (scaled - rows.T @ multiplier)[:b] / len(groups)
+        ties = (rows[owner < 0].T @ multiplier[owner < 0])[:b] / len(
+            groups
+        )  # of w and grad w none: both are common
+        return {
+            number: ((rows[owner == number].T @ multiplier[owner == number])[:b] + rest + ties) / first
+            for number in groups
+        }
 
     def _release_slopes(self, r: Floats) -> Floats:
         """Reaction moments of slopes at curved edges; their rows are taken out of the residual."""
@@ -108,9 +145,13 @@ class ReactionFinder:
             r[dofs] -= moments[chosen] @ rows
         return moments
 
-    def _at_vertices(self, r: Floats, vertices: Ints, share: Floats) -> Floats:
+    def _at_vertices(self, r: Floats, number: int, shared: dict[int, dict[int, Floats]]) -> Floats:
         """Force along z and moments about x, y through the centre."""
-        work = r[self.layout.vertex_dofs(vertices)] * share[vertices, None]
+        vertices = self.supports.held[number].vertices
+        work = r[self.layout.vertex_dofs(vertices)]
+        for k, v in enumerate(vertices.tolist()):
+            if v in shared:
+                work[k] = shared[v].get(number, 0.0)
         arm = self.domain.points[vertices] - self.centre
         total = np.array([work[:, 0].sum(), (work[:, 0] * arm[:, 1]).sum(), -(work[:, 0] * arm[:, 0]).sum()])
         if self.layout.per_vertex > 1:

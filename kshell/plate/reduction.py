@@ -15,6 +15,7 @@ s    slope at the true middle of a curved edge inside, common to its two triangl
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from copy import copy
 from functools import cached_property
 
@@ -71,8 +72,8 @@ class Reduction:
             _place_among_fans(fans.vertex) if fans.extra else np.zeros(len(fans.vertex), np.int64)
         )
         if fans.extra:
-            tie_rows = _tie_rows(fans.tangent, self.fan_place[fans.tied], int(self.fan_place.max()))
-            rows = np.concatenate([self._on_vertices(rows, of_row, tie_rows.shape[1]), tie_rows])
+            tie_rows = _tie_rows(fans.tangent, self.fan_place[fans.tied], self._last_place)
+            rows = np.concatenate([self.rows_at_vertices(rows, of_row), tie_rows])
             of_row = np.concatenate([of_row, np.repeat(fans.tied[:, 0], 2)])
             values = np.append(values, np.zeros(len(tie_rows)))
         self.vertices, inverse = np.unique(fans.vertex[of_row], return_inverse=True)
@@ -122,9 +123,24 @@ class Reduction:
         self.slave_slots = slots
         self.unknown[slots] = self.unknown[self.layout.edge_dofs(self.slave_edges)]
 
-    def _on_vertices(self, rows: Floats, fans: Ints, width: int) -> Floats:
+    @property
+    def _last_place(self) -> int:
+        return int(self.fan_place.max(initial=0))
+
+    def ties_of(self, vertices: list[int]) -> Iterator[tuple[int, Floats]]:
+        """The rows (n, width) on z that tie the fans of vertices, for those that have several."""
+        fans = self.layout.fans
+        of_tie = fans.vertex[fans.tied[:, 0]]
+        for v in vertices:
+            mine = np.flatnonzero(of_tie == v)
+            if len(mine):
+                yield v, _tie_rows(fans.tangent[mine], self.fan_place[fans.tied[mine]], self._last_place)
+
+    def rows_at_vertices(self, rows: Floats, fans: Ints) -> Floats:
         """Rows on fans (n, 6) as rows on z (n, width)."""
-        out = np.zeros((len(rows), width))
+        if not self.layout.fans.extra:
+            return rows
+        out = np.zeros((len(rows), 6 + 3 * self._last_place))
         out[:, :3] = rows[:, :3]
         at = 3 + 3 * self.fan_place[fans]
         out[np.arange(len(rows))[:, None], at[:, None] + np.arange(3)] = rows[:, 3:]

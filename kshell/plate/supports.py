@@ -67,6 +67,8 @@ class HeldGroup:
         Prescribed deflection at points (..., 2); None is zero.
     degree : int or None
         Of that deflection as a polynomial; None where it is none, or not known to be one.
+    rows : range
+        Its rows among the conditions.
     """
 
     label: str
@@ -78,6 +80,7 @@ class HeldGroup:
     turned: bool = False
     value: Callable[[Floats], Floats] | None = None
     degree: int | None = 0
+    rows: range = range(0)
 
 
 @dataclass
@@ -179,6 +182,7 @@ class _Builder:
     def _points(self, support: Any, selection: Selection, holds_w: bool, holds_r: bool, what: str) -> None:
         vertices = selection.members.astype(np.int64)
         conditions = self.out.conditions
+        first = len(conditions.rows)
         if holds_r and not self.rich:
             raise InputError(
                 f"{what} on '{selection.label}': this element has no rotation at a point; hold the "
@@ -203,6 +207,7 @@ class _Builder:
             turned=holds_r,
             value=prescribed,
             degree=polynomial_degree(support.value),
+            rows=range(first, len(conditions.rows)),
         )
         self.out.held.append(group)
 
@@ -219,6 +224,7 @@ class _Builder:
                 f"{what} on '{selection.label}': on a surface the prescribed deflection must be constant; "
                 "prescribe a varying one along curves"
             )
+        first = len(self.out.conditions.rows)
         self.out.conditions.at_vertices(vertices, self._row({0: 1.0}, len(vertices)), value)
         for dof in range(1, self.layout.per_vertex):
             at = vertices if dof < 3 else fans  # beside the border the plate bends
@@ -238,6 +244,7 @@ class _Builder:
             surface=surface,
             value=prescribed,
             degree=polynomial_degree(support.value),
+            rows=range(first, len(self.out.conditions.rows)),
         )
         self.out.held.append(group)
 
@@ -256,6 +263,7 @@ class _Builder:
         ends = self.mesh.edges[edges]  # (edge, 2)
         vertices = np.unique(ends).astype(np.int64)
         curves = self._curves_of(edges)
+        first = len(self.out.conditions.rows)
         if support.kind == "symmetry":
             self._require_straight(edges, selection.label)
         if holds_w and not self.rich:
@@ -286,6 +294,7 @@ class _Builder:
             edges if holds_w else NONE,
             value=self._prescribed(support) if holds_w else None,
             degree=polynomial_degree(support.value) if holds_w else 0,
+            rows=range(first, len(self.out.conditions.rows)),
         )
         self.out.held.append(group)
 

@@ -1,9 +1,9 @@
 """Lines inside a plate or shell across which derivatives of the displacement jump, found from the structure.
 
 Second derivatives of the deflection jump where the stiffness or the free curvature does, and along lines that hold
-the rotation, by a support or a spring: the bending moment across such a line differs from side to side, or the curvature that
-belongs to it does. Third derivatives jump at line loads, at lines that hold the deflection alone and at borders of
-loaded surfaces; there it matters only that a curved line is followed.
+the rotation, by a support or a spring: the bending moment across such a line differs from side to side, or the
+curvature that belongs to it does. Third derivatives jump at line loads, at lines that hold the deflection alone and at
+borders of loaded surfaces; there it matters only that a curved line is followed.
 
 In a shell membrane forces jump along every line that carries or holds something in its plane, and with them first
 derivatives of the displacement.

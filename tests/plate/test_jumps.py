@@ -316,3 +316,50 @@ def test_multigrid_finds_the_same(name):
     assert multigrid.solver["iterations"] <= 25
     w = direct.fields["displacement"][:, 2]
     assert np.abs(multigrid.fields["displacement"][:, 2] - w).max() < 1e-6 * np.abs(w).max()
+
+
+@pytest.mark.parametrize("load", [ks.LineForce("ring", (0, 0, 1.0)), ks.Pressure(1.0, "in")])
+@pytest.mark.parametrize("order", [1, 2])
+def test_loads_on_circles_inside_act_on_the_circle(load, order):
+    """All round a force of pi, or pi / 4; w(0) by hand for the ring: r^2 ln r inside the circle of the load."""
+    result = solve(stepped_disk(8, order), [ks.SimplySupported("edge")], [load])
+    total = np.pi if load.kind == "line_force" else np.pi / 4
+    assert result.reactions["edge"]["force"][2] == pytest.approx(-total, rel=3e-8)
+    w = result.fields["displacement"][0, 2]
+    r = 0.5
+    # a ring force P = 2 pi r: w(0) = P / (8 pi) ((3 + nu) / (2 (1 + nu)) (1 - r^2) + r^2 ln r)
+    ring = 2 * np.pi * r / (8 * np.pi) * ((3 + NU) / (2 * (1 + NU)) * (1 - r**2) + r**2 * np.log(r))
+    # pressure inside r: the integral of rings over their radii
+    s, weight = np.polynomial.legendre.leggauss(30)
+    at = r * (s + 1) / 2
+    rings = 2 * np.pi * at / (8 * np.pi) * ((3 + NU) / (2 * (1 + NU)) * (1 - at**2) + at**2 * np.log(at))
+    assert w == pytest.approx(ring if load.kind == "line_force" else (rings * weight).sum() * r / 2, rel=1e-6)
+
+
+def test_a_column_takes_the_load_of_a_flat_slab():
+    """A panel between lines of symmetry: they carry no force, though they hold the corner of the column, too."""
+    sides = ("left", "bottom", "right", "top")
+    supports = [*(ks.Symmetry(side) for side in sides), ks.Fixed((0, 0, 0), "z")]
+    result = solve(rectangle(4), supports, [ks.Pressure(1.0)])
+    assert result.reactions["(0, 0)"]["force"][2] == pytest.approx(-1.0, rel=1e-9)
+    for side in sides:
+        assert result.reactions[side]["force"][2] == pytest.approx(0.0, abs=1e-10)
+    # the moment of the load about the far edges
+    assert result.reactions["left"]["moment"][1] + result.reactions["right"]["moment"][1] == pytest.approx(
+        0.5
+    )
+
+
+def test_morley_with_a_line_force_inside_does_not_depend_on_numbering():
+    mesh = rectangle(6, wobble=0.2)
+    found = []
+    for seed in range(3):
+        random = np.random.default_rng(seed)
+        order, triangles = random.permutation(len(mesh.points)), random.permutation(len(mesh.triangles))
+        new = np.argsort(order)
+        groups = {name: new[mesh.edges[mesh.groups[name].members]] for name in ("edge", "middle")}
+        other = Mesh.from_arrays(mesh.points[order], new[mesh.triangles][triangles], groups)
+        supports = [ks.SimplySupported("edge"), ks.Elastic("middle", 5.0, "zr")]
+        result = solve(other, supports, [ks.LineForce("middle", (0, 0, 1.0))], "morley")
+        found.append(result.fields["displacement"][new, 2])
+    assert np.ptp(found, axis=0).max() < 1e-12 * np.abs(found).max()
