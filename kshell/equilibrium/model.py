@@ -30,6 +30,8 @@ from kshell.scene.structure import Structure
 
 Floats = NDArray[np.float64]
 
+NO_DENSITY = "the material has no density: give it, in mass per volume"
+
 
 @dataclass(frozen=True, eq=False)
 class Solved:
@@ -180,6 +182,10 @@ class FiniteModel(Model):
     @abstractmethod
     def equilibrium(self) -> Problem:
         """Energy, conditions and loads, all growing with one factor."""
+
+    @abstractmethod
+    def full_mass(self) -> sp.csr_matrix:
+        """Consistent mass matrix of all unknowns x, on which `equilibrium` works; zero without density."""
 
     @property
     @abstractmethod

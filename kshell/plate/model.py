@@ -10,10 +10,12 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.equilibrium.model import Model, Solved
-from kshell.errors import SolveError
+from kshell.equilibrium.model import NO_DENSITY, Model, Solved
+from kshell.errors import InputError, SolveError
 from kshell.plate.answer import motion_fields, recover
-from kshell.plate.assembly import assemble_load
+from kshell.plate.assembly import assemble, assemble_load
+from kshell.plate.inertia import Mass
+from kshell.plate.pattern import Pattern
 from kshell.plate.problem import ELEMENTS, PlateProblem
 from kshell.plate.product import strain_product
 from kshell.result.deferred import Deferred
@@ -82,6 +84,14 @@ class PlateModel(Model):
 
     def expand(self, q: Floats) -> Floats:
         return np.asarray(self.problem.space.reduction @ q)
+
+    def mass(self) -> sp.csr_matrix:
+        problem = self.problem
+        form = Mass(problem.domain, problem.element, problem.section)
+        found = assemble([form], [], problem.domain, problem.reduction, Pattern(problem.reduction)).matrix
+        if not found.diagonal().any():
+            raise InputError(NO_DENSITY)
+        return found
 
     def under(self, factors: Sequence[float], motion: float = 1.0) -> PlateModel:
         if self._prepared is None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import hashlib
-from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, ClassVar, Literal
 
@@ -13,7 +12,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.linear import LinearSolver
-from kshell.equilibrium.model import FiniteModel, Solved
+from kshell.equilibrium.model import NO_DENSITY, FiniteModel, Solved
 from kshell.equilibrium.problem import Problem, State
 from kshell.errors import InputError, SolveError
 from kshell.result.deferred import Deferred
@@ -86,12 +85,8 @@ class ShellModel(FiniteModel):
     def mass(self) -> sp.csr_matrix:
         mass = self.full_mass()
         if not mass.diagonal().any():
-            raise InputError("the material has no density: give it, in mass per volume")
+            raise InputError(NO_DENSITY)
         return self.problem.reduction.reduce(mass)
-
-    @abstractmethod
-    def full_mass(self) -> sp.csr_matrix:
-        """Consistent mass matrix of all unknowns."""
 
     def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
         return self.problem.reduction.reduce(self.problem.energy.geometric_stiffness(solved.own.stress))
