@@ -9,9 +9,11 @@ from typing import Any
 from kshell.analysis.clock import Clock, Stage
 from kshell.analysis.models import build_model
 from kshell.equilibrium.model import Model
+from kshell.mesh.mesh import Mesh
 from kshell.result.result import Result
 from kshell.scene.options import SolveOptions
-from kshell.scene.structure import Structure
+from kshell.scene.scene import Scene
+from kshell.scene.structure import Structure, resolve
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,8 +22,9 @@ class Run:
 
     Attributes
     ----------
+    scene : Scene
     structure : Structure
-        What is analysed, from which other models can be made.
+        The scene resolved on its mesh, from which models are made.
     options : SolveOptions
     clock : Clock
         Of the stages assemble, solve, recover.
@@ -33,6 +36,7 @@ class Run:
         Go on after the last step in the folder.
     """
 
+    scene: Scene
     structure: Structure
     options: SolveOptions
     clock: Clock
@@ -51,6 +55,10 @@ class Run:
             model = build_model(self.structure, self.options)
             model.prepare()
         return model
+
+    def on_mesh(self, mesh: Mesh) -> Run:
+        """The same run on another mesh with the same groups, as after refining, with a clock of its own."""
+        return replace(self, structure=resolve(self.scene, mesh), clock=Clock(self.progress))
 
     def with_options(self, **changes: Any) -> Run:
         """The same run with other options and a clock of its own."""

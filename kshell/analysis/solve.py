@@ -18,9 +18,6 @@ from kshell.result.result import Result
 from kshell.scene.scene import Scene
 from kshell.scene.structure import resolve
 
-# name of an analysis, as in [solve], to the module that has it: analyse(model, run) -> Result
-ANALYSES = {"static": "kshell.analysis.static", "path": "kshell.analysis.path"}
-
 
 def trace(
     scene: Scene,
@@ -57,8 +54,7 @@ def trace(
     """
     if resume and folder is None:
         raise InputError("resume = True needs the folder with the steps to go on from")
-    result = _solve(scene, progress, {**options, "analysis": "path"}, folder, resume, allow_system)
-    return _warned(result)
+    return answer(scene, {**options, "analysis": "path"}, progress, folder, resume, allow_system)
 
 
 def solve(
@@ -93,23 +89,33 @@ def solve(
     SolveError
         If no answer was reached; of large deflections its `state` is the Result of the last good load step.
     """
-    return _warned(_solve(scene, progress, options, allow_system=allow_system))
+    return answer(scene, options, progress, allow_system=allow_system)
 
 
-def _warned(result: Result) -> Result:
-    for words in result.warnings:
-        warnings.warn(words, KshellWarning, stacklevel=3)
-    return result
-
-
-def _solve(
+def answer(
     scene: Scene,
-    progress: Callable[[str], None] | None,
     options: dict[str, Any],
+    progress: Callable[[str], None] | None = None,
     folder: str | os.PathLike[str] | None = None,
     resume: bool = False,
     allow_system: bool = False,
 ) -> Result:
+    """The result of the analysis that the options of a scene name: what `solve`, `trace` and their kind stand on.
+
+    The module of the analysis is found by its name in kshell.analysis, and has `analyse(model, run) -> Result`.
+
+    Parameters
+    ----------
+    options : dict
+        Keys of [solve], which take precedence over those of the scene.
+    progress, folder, resume, allow_system :
+        As for `trace`.
+
+    Raises
+    ------
+    InputError, SolveError, Interrupted
+        As `solve` and `trace`.
+    """
     if not isinstance(scene, Scene):
         raise InputError(f"{scene!r} is not a scene: make one with ks.Scene(...) or ks.Scene.load(path)")
     chosen = scene.solve.updated(**options)
@@ -119,8 +125,8 @@ def _solve(
     structure = resolve(scene, scene.read_mesh(allow_system))
     clock = Clock(progress, time.perf_counter() - begin)
     where = None if folder is None else Path(folder)
-    run = Run(structure, chosen, clock, progress, where, resume)
-    analyse = import_module(ANALYSES[chosen.analysis]).analyse
+    run = Run(scene, structure, chosen, clock, progress, where, resume)
+    analyse = import_module(f"kshell.analysis.{chosen.analysis}").analyse
     try:
         result: Result = analyse(run.model(), run)
     except (SolveError, Interrupted) as error:
@@ -131,6 +137,8 @@ def _solve(
         result.warnings.append(
             f"tolerance = {chosen.tolerance:g} decides about large deflections only: the mesh is solved as given"
         )
+    for words in result.warnings:
+        warnings.warn(words, KshellWarning, stacklevel=3)  # at the call of `solve` or `trace`
     return _of_scene(result, scene)
 
 
