@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.mesh.formats import READERS
 from kshell.mesh.formats.found import DIMENSIONS, HIGHER, SOLID, Found
 from kshell.mesh.mesh import EDGE_VERTICES
 from kshell.mesh.raw import RawGroup, RawMesh
@@ -28,6 +29,12 @@ READER_ERRORS = (
     SyntaxError, ImportError, struct.error, SystemExit,
 )  # fmt: skip
 
+# formats read through meshio: VTK, PLY, Medit, XDMF, Exodus, DOLFIN, Netgen, Tecplot, AVS
+SUFFIXES = (
+    ".vtk", ".vtu", ".ply", ".mesh", ".meshb", ".xdmf", ".xmf", ".e", ".ex2", ".exo", ".xml", ".vol", ".tec",
+    ".avs",
+)  # fmt: skip
+
 # the cell types of meshio that are taken
 KINDS = {
     "point": ("vertex",),
@@ -35,8 +42,8 @@ KINDS = {
     "triangle": ("triangle", "triangle6", "triangle7"),
     "quadrilateral": ("quad", "quad8", "quad9"),
 }
-# cell data in which file formats number their groups: gmsh, Medit, gmsh's .vtk and .vtu
-NUMBERED_GROUPS = ("gmsh:physical", "medit:ref", "CellEntityIds")
+# cell data in which file formats number their groups: gmsh, Medit, gmsh's .vtk and .vtu, Netgen, AVS
+NUMBERED_GROUPS = ("gmsh:physical", "medit:ref", "CellEntityIds", "netgen:index", "avsucd:material")
 MOST_NUMBERS = 1000  # different whole numbers in cell data that may stand for groups
 
 
@@ -52,11 +59,10 @@ def read_foreign(path: Path) -> RawMesh:
 
     if path.stat().st_size == 0:
         raise InputError(f"{path.name}: the file is empty")
-    known = meshio.extension_to_filetypes
-    if path.suffix.lower() not in known:
+    if path.suffix.lower() not in SUFFIXES:
         raise InputError(
             f"{path.name}: the format '{path.suffix}' is not known. Readable are .msh of gmsh, .geo, .step, "
-            f".brep and what meshio reads: {' '.join(sorted(known))}"
+            f".brep, .iges, {' '.join(sorted({*READERS, *SUFFIXES}))}"
         )
     said = io.StringIO()  # meshio prints its reasons
     try:
@@ -156,8 +162,8 @@ def _numbered(mesh: Any, found: Found, cells_of: list[Ints]) -> list[RawGroup]:
         for dimension, cells, numbers in zip(dimensions, cells_of, mesh.cell_data[array], strict=False):
             for tag in np.unique(numbers).tolist() if dimension >= 0 else ():
                 key = (dimension, int(tag))
-                # 0 stands for "no group"; a named set has been taken already
-                if tag and names.get(key) not in mesh.cell_sets:
+                # 0, of arrays of others numbers below it, stand for "no group"; a named set has been taken already
+                if (tag if array in NUMBERED_GROUPS else tag >= 0) and names.get(key) not in mesh.cell_sets:
                     label = f"{key[0]}:{key[1]}" if array in NUMBERED_GROUPS else f"{array} {key[1]}"
                     keys.append((label, key))
                     numbered.put(label, cells[np.asarray(numbers).ravel() == tag])

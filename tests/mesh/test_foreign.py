@@ -112,7 +112,7 @@ def test_other_objects():
 WRONG_FILES = {
     "mesh.vtu": ("<VTKFile><broken", "meshio cannot read it"),
     "mesh.vtk": ("# vtk DataFile Version 3.0\nnonsense\n", "meshio cannot read it"),
-    "mesh.stl": ("solid x\n facet normal 0 0\n", "meshio cannot read it|has no triangles"),
+    "mesh.stl": ("solid x\n facet normal 0 0\n", "is ended by endsolid|are ended by endsolid"),
     "mesh.inp": ("", "the file is empty"),
     "mesh.doc": ("text", r"the format '\.doc' is not known\. Readable are"),
     "mesh": ("text", "the format '' is not known"),

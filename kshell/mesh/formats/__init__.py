@@ -15,6 +15,13 @@ READERS = {
     ".nas": ("nastran", "read_nastran"),
     ".fem": ("nastran", "read_nastran"),
     ".dat": ("nastran", "read_nastran"),
+    ".med": ("med", "read_med"),
+    ".mdpa": ("mdpa", "read_mdpa"),
+    ".off": ("off", "read_off"),
+    ".obj": ("obj", "read_obj"),
+    ".stl": ("stl", "read_stl"),
+    ".su2": ("su2", "read_su2"),
+    ".unv": ("unv", "read_unv"),
 }
 
 

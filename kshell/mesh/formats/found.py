@@ -62,7 +62,7 @@ class Found:
         """Take in cells of one kind; returns their numbers."""
         array = np.asarray(nodes, dtype=np.int64)
         first = self.n_cells
-        self.blocks.append((kind, array.reshape(len(array), -1)))
+        self.blocks.append((kind, array.reshape(len(array), array.shape[1] if array.ndim > 1 else 1)))
         return np.arange(first, first + len(array))
 
     def put(self, name: str, cells: Iterable[int] | Ints) -> None:
