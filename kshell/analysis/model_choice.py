@@ -22,7 +22,7 @@ from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Structure
 from kshell.scene.supports import Hinge
-from kshell.shell.chart.limits import JUMP_INSIDE, THINNEST
+from kshell.shell.limits import JUMP_INSIDE, THINNEST
 from kshell.solvers.memory import SHARE, available_bytes
 
 # up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there

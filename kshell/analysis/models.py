@@ -24,7 +24,7 @@ def build_model(structure: Structure, options: SolveOptions) -> Model:
     model = model_as(structure, choose_model(structure, options))
     if structure.imperfection is None:
         return model
-    from kshell.shell.imperfection import imperfect
+    from kshell.shell.koiter.imperfection import imperfect
 
     return imperfect(model)
 

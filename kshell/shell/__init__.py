@@ -1,19 +1,21 @@
 """Koiter shells on triangles.
 
-The kernel: arrays in, arrays out, nothing knows of scenes, results or files.
+koiter/   triangulated surfaces of order 1, 2, 3, flat or curved, with folds and branches
+chart/    Argyris functions on a smooth chart
 
-koiter/, chart/                 the two discretisations: unknowns and rest geometry, energy, supports, loads, recovery
-reference.py                    constant tables of the reference triangle
-kinematics.py, frames.py        changes of curvature and of edge angles; frames of tensors
-section.py, constitutive.py     A, B, D of the cross-section; stiffness of a triangle in its strains
-matrices.py, initial.py         mass and springs; strains without stress
-reactions.py                    resultants of forces on the unknowns
+Each has its surface, energy, supports with the motions they leave free, loads, matrices and recovery, and knows
+nothing of the other. What they share lies here. The kernel, arrays in and arrays out:
 
-From a structure to a result, around it:
+reference.py, vectors.py, frames.py   tables of the reference triangle; vectors and tensors on the surface
+kinematics.py, resultants.py          changes of curvature; forces and moments, rotations
+section.py, initial.py, evaluate.py   A, B, D of the cross-section; states without stress; values of places
+planes.py, limits.py                  planes of supported edges; where Argyris is not to be taken
 
-model.py, koiter/model.py, chart/model.py   the shell as analyses need it
-problem.py                      energy, loads and conditions of a structure
-supports.py, loads.py           what each kind of support and load means for either discretisation
-group_reactions.py, fields.py, answer.py    what comes out
-held.py, shape_checks.py, imperfection.py   rigid motions that nothing holds; doubtful shapes; nodes moved
+and around it, from a resolved scene to a result:
+
+model.py, problem.py                  what an analysis takes; what is solved
+supports.py, loads.py                 the words of a scene as conditions and forces
+held.py, shape_checks.py              rigid motions that nothing holds; doubtful shapes
+answer.py, group_reactions.py         the result; reactions of groups
+fields.py, vertex_fields.py           values at any point, at vertices
 """

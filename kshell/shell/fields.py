@@ -17,7 +17,7 @@ from kshell.material.section import Section
 from kshell.mesh.closest import Nearest
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
-from kshell.shell.koiter.recovery import Resultants
+from kshell.shell.resultants import Resultants
 from kshell.shell.vertex_fields import Recovered, VertexFields
 
 Floats = NDArray[np.float64]

@@ -4,9 +4,7 @@ A `StressFree` state has the strain E and the change of curvature kappa in the f
 also changes the curvature of a curved surface: where a uniform strain e only makes the shell larger, b - B = e B,
 and no moment may be left. So kappa here counts beyond - (E B + B E) / 2, B the second fundamental form.
 
-On triangles (koiter.py) the membrane part goes through the same interpolation as the strain of the displacement,
-so a shell that may expand freely stays free of stress; on charts (argyris.py) strains are those of the
-quadrature points.
+What that is in the strains of each discretisation stands in koiter/initial.py and chart/initial.py.
 """
 
 from __future__ import annotations
@@ -16,11 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.shell.chart.energy import ChartKoiter
+from kshell.shell.evaluate import Value, evaluate
 from kshell.shell.frames import components, contravariant_to_frame, tangent_frame
-from kshell.shell.koiter.energy import Koiter
-from kshell.shell.koiter.loads import Value, evaluate
-from kshell.shell.reference import TWICE, first_derivatives, lagrange
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
@@ -56,38 +51,13 @@ def temperature(mean: Value, gradient: Value, expansion: float = 1.0) -> StressF
     return StressFree(isotropic(mean), isotropic(gradient))
 
 
-def initial_strain(energy: Koiter | ChartKoiter, state: StressFree, triangles: Ints | None = None) -> Floats:
-    """The strains s of the energy in that state, zero outside `triangles`: (triangle, r)."""
-    result = np.zeros((len(energy.triangle_unknowns), energy.strains))
-    chosen = np.arange(len(result)) if triangles is None else np.asarray(triangles)
-    if isinstance(energy, ChartKoiter):
-        chart = energy.surface
-        first, second = chart.first[:, :, chosen], chart.second[:, :, chosen]
-        points = np.moveaxis(chart.positions[:, chosen], 0, 2)
-        both = [_strain(state, points, first), _curvature(state, points, first, second)]
-        result[chosen] = np.concatenate(both, axis=2).reshape(len(chosen), -1)
-        return result
-    surface, ref = energy.surface, energy.surface.reference
-    nodes = surface.nodes[surface.triangle_nodes[chosen]]
-    points = np.einsum("sn,tnx->tsx", lagrange(surface.order, ref.regge_points), nodes)
-    first = surface.tangents(first_derivatives(surface.order, ref.regge_points), chosen)
-    strain = _strain(state, points, first)
-    result[chosen, : ref.strains] = np.einsum("rsv,tsv->tr", ref.regge_weights, strain)
-
-    points = np.einsum("qn,tnx->tqx", ref.values, nodes)
-    second = surface.jets(surface.nodes, ref.second, chosen)
-    curvature = _curvature(state, points, surface.tangents(ref.first, chosen), second)
-    result[chosen, ref.strains :] = _measured(energy, curvature, chosen)
-    return result
-
-
-def _strain(state: StressFree, points: Floats, first: Floats) -> Floats:
+def strain_of(state: StressFree, points: Floats, first: Floats) -> Floats:
     """Covariant E_11, E_22, E_12 at points (triangle, point, 3) with tangents (2, 3, triangle, point)."""
     f = components(first, *tangent_frame(first)[:2])
     return _covariant(f, evaluate(state.strain, points, 3))
 
 
-def _curvature(state: StressFree, points: Floats, first: Floats, second: Floats) -> Floats:
+def curvature_of(state: StressFree, points: Floats, first: Floats, second: Floats) -> Floats:
     """Covariant kappa of the state: kappa - (E B + B E) / 2, all in the frame."""
     f = components(first, *tangent_frame(first)[:2])
     normal = cross(first[0], first[1])
@@ -104,10 +74,3 @@ def _curvature(state: StressFree, points: Floats, first: Floats, second: Floats)
 def _covariant(f: Floats, tensor: Floats) -> Floats:
     """T_ab = f_ia f_jb T_ij, listed 11, 22, 12: (triangle, point, 3) from the same in the frame."""
     return np.einsum("vwtq,tqw->tqv", contravariant_to_frame(np.swapaxes(f, 0, 1)), tensor)
-
-
-def _measured(koiter: Koiter, curvature: Floats, triangles: Ints) -> Floats:
-    """l_r = int kappa : tau_r of covariant components (triangle, q, v)."""
-    surface, ref = koiter.surface, koiter.surface.reference
-    weighted = curvature * TWICE * (ref.weights / surface.area_elements[triangles])[..., None]
-    return np.einsum("qk,tqv->tkv", ref.psi, weighted).reshape(len(triangles), -1)

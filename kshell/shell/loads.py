@@ -32,8 +32,8 @@ from kshell.scene.loads import (
     Traction,
 )
 from kshell.scene.structure import Placed
-from kshell.shell.initial import StressFree, initial_strain, temperature
-from kshell.shell.koiter.discretisation import USE_KOITER
+from kshell.shell.initial import StressFree, temperature
+from kshell.shell.limits import USE_KOITER
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -206,7 +206,7 @@ class _Builder:
         self._initial(placed, StressFree(strain=load.at))
 
     def _initial(self, placed: Placed[Any], state: StressFree) -> None:
-        strain = initial_strain(self.energy, state, placed.members(self.mesh))
+        strain = self.discretisation.initial_strain(self.energy, state, placed.members(self.mesh))
         self.out.strains.append((self.number, strain))
 
     def _require_koiter(self, load: Any) -> None:

@@ -203,3 +203,11 @@ def reference_triangle(order: int) -> ReferenceTriangle:
         regge_weights=regge_weights,
         membrane=membrane,
     )
+
+
+def weighted_products(values: Floats, weight: Floats) -> Floats:
+    """sum_q weight_q N_i N_j: values (q, n) or (element, q, n), weight (element, q); (element, n, n)."""
+    if values.ndim == 2:
+        pairs = np.einsum("qi,qj->qij", values, values).reshape(len(values), -1)
+        return (weight @ pairs).reshape(-1, values.shape[1], values.shape[1])
+    return np.matmul(values.swapaxes(1, 2) * weight[:, None, :], values)

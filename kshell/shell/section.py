@@ -120,3 +120,23 @@ class Section:
         shear = 0.5 * (1 - poisson)
         q = young / (1 - poisson**2) * np.array([[1, poisson, 0], [poisson, 1, 0], [0, 0, shear]])
         return cls.from_plane_stress(q, thickness, offset)
+
+
+def section_at(
+    section: Section, triangles: slice | NDArray, points: Callable[[], Floats]
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """A, B, D (triangle or 1, point or 1, 3, 3) and angle (triangle or 1, 1) of triangles.
+
+    Parameters
+    ----------
+    points : function
+        Gives the places (triangle, point, 3) in space; asked where the section varies inside triangles.
+    """
+    angle = section.angle[triangles] if len(section.angle) > 1 else section.angle
+    if section.varying is not None:
+        number = np.arange(triangles.stop)[triangles] if isinstance(triangles, slice) else triangles
+        return *section.varying(number, points()), angle[:, None]
+    a, b, d = (
+        m[triangles] if len(m) > 1 else m for m in (section.membrane, section.coupling, section.bending)
+    )
+    return a[:, None], b[:, None], d[:, None], angle[:, None]

@@ -12,7 +12,7 @@ from kshell.material.section import Section
 from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
-from kshell.shell.chart.limits import THINNEST
+from kshell.shell.limits import THINNEST
 
 Floats = NDArray[np.float64]
 

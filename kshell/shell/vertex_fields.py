@@ -20,8 +20,8 @@ from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
 from kshell.shell.frames import frames_of_normals, in_frame, in_space
-from kshell.shell.koiter.recovery import Resultants
 from kshell.shell.reference import VERTICES
+from kshell.shell.resultants import Resultants
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

@@ -7,7 +7,7 @@ from kshell.equilibrium.rigid_modes import RigidPart, mac, participation, rigid_
 from kshell.mesh.select import select
 from kshell.mesh.triangulation import Group
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
-from kshell.shell.matrices import mass
+from kshell.shell.koiter.matrices import mass
 from kshell.shell.section import Section
 from kshell.solvers.eigen import smallest
 from kshell.solvers.pencil import Pencil

@@ -9,11 +9,11 @@ from kshell.geometry import Chart
 from kshell.mesh.mesh import Mesh
 from kshell.shell.chart import loads as chart_loads
 from kshell.shell.chart.energy import ChartKoiter
+from kshell.shell.chart.matrices import chart_foundation
+from kshell.shell.chart.reactions import chart_resultant
+from kshell.shell.chart.recovery import chart_resultants
 from kshell.shell.chart.supports import ChartSupports
 from kshell.shell.chart.surface import ChartSurface
-from kshell.shell.koiter.recovery import chart_resultants
-from kshell.shell.matrices import chart_foundation
-from kshell.shell.reactions import chart_resultant
 from kshell.shell.section import Section
 from tests.shell.shapes import rectangle
 from tests.shell.test_koiter import LAMINATE

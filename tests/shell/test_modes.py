@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import eigsh
 
-from kshell.shell import matrices
-from kshell.shell.koiter import loads
+from kshell.shell.koiter import loads, matrices
 from kshell.shell.section import Section
 from tests.shell.shapes import Model, rectangle
 

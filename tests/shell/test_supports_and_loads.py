@@ -6,14 +6,14 @@ import pytest
 from kshell.equilibrium.linear import solve_linear
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
-from kshell.shell import matrices
-from kshell.shell.initial import StressFree, initial_strain, temperature
-from kshell.shell.koiter import loads
+from kshell.shell.initial import StressFree, temperature
+from kshell.shell.koiter import loads, matrices
 from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.initial import initial_strain
+from kshell.shell.koiter.reactions import resultant, rotation_axes
 from kshell.shell.koiter.recovery import displacement, resultants
 from kshell.shell.koiter.supports import Supports
 from kshell.shell.koiter.surface import Surface
-from kshell.shell.reactions import resultant, rotation_axes
 from kshell.shell.section import Section
 from tests.shell.shapes import Model, cylinder, fold, joined, panel, rectangle, sphere
 

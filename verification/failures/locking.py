@@ -14,13 +14,12 @@ from kshell.shell.chart import loads as chart_loads
 from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.supports import ChartSupports
 from kshell.shell.chart.surface import ChartSurface
-from kshell.shell.constitutive import section_at
 from kshell.shell.frames import components, covariant_to_frame, tangent_frame
 from kshell.shell.koiter import loads
 from kshell.shell.koiter.edges import Directors
 from kshell.shell.koiter.energy import Koiter, State
 from kshell.shell.koiter.surface import Surface
-from kshell.shell.section import Section
+from kshell.shell.section import Section, section_at
 from kshell.shell.vectors import dot
 from verification.failures.bent import rectangle
 from verification.failures.failure import Failure, Numbers, columns, lines, panels

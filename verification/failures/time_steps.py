@@ -21,7 +21,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from numpy.typing import NDArray
 
-from kshell.shell.matrices import mass
+from kshell.shell.koiter.matrices import mass
 from kshell.shell.section import Section
 from verification.failures.bent import rectangle
 from verification.failures.failure import Failure, Numbers, columns, lines, panels

@@ -14,10 +14,13 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.shell.chart import loads as chart_loads
 from kshell.shell.chart.energy import ChartKoiter
+from kshell.shell.chart.initial import initial_strain
 from kshell.shell.chart.recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart.supports import ChartSupports
 from kshell.shell.chart.surface import ChartLike, ChartSurface, jets_of_basis
-from kshell.shell.koiter.discretisation import USE_KOITER, OfPlace
+from kshell.shell.evaluate import OfPlace
+from kshell.shell.initial import StressFree
+from kshell.shell.limits import USE_KOITER
 from kshell.shell.section import Section
 from kshell.shell.vectors import AXES
 
@@ -59,6 +62,10 @@ class ArgyrisDiscretisation:
     def energy(self, section: Section) -> ChartKoiter:
         """The energy with a cross-section."""
         return ChartKoiter(self.surface, section)
+
+    def initial_strain(self, energy: ChartKoiter, state: StressFree, triangles: Ints) -> Floats:
+        """The strains of triangles in a state free of stress."""
+        return initial_strain(energy, state, triangles)
 
     def conditions(self) -> ArgyrisConditions:
         """Empty conditions on the motion."""

@@ -9,16 +9,14 @@ m^a        direction in the parameter plane across the edge: at right angles to 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.shell.chart.surface import ChartLike, ChartSurface
+from kshell.shell.evaluate import OfPlace
 
 Floats = NDArray[np.float64]
-OfPlace = Callable[[Floats], Floats]
 
 
 def vertex_sizes(mesh: Mesh) -> Floats:

@@ -1,9 +1,9 @@
 """The Koiter energy on a chart with Argyris functions: strains at quadrature points, nothing interpolated.
 
-Very accurate on smooth charts that are not too thin; without the Regge interpolation of koiter.py it locks
+Very accurate on smooth charts that are not too thin; without the Regge interpolation of koiter/energy.py it locks
 where bending without stretching is possible and thickness is below about 1e-3 of the length.
 
-Symbols as in koiter.py; the strains of a triangle are s = (E_11, E_22, E_12, kappa_11, kappa_22, kappa_12)
+Symbols as in koiter/energy.py; the strains of a triangle are s = (E_11, E_22, E_12, kappa_11, kappa_22, kappa_12)
 at each quadrature point, in reference coordinates, and K is block diagonal.
 """
 
@@ -19,9 +19,8 @@ from kshell.equilibrium.energy import StrainEnergy, in_blocks
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.shell import kinematics
 from kshell.shell.chart.surface import ChartSurface
-from kshell.shell.constitutive import section_at
 from kshell.shell.frames import components, covariant_to_frame, tangent_frame
-from kshell.shell.section import Section
+from kshell.shell.section import Section, section_at
 from kshell.shell.vectors import dot
 
 Floats = NDArray[np.float64]

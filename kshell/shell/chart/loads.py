@@ -9,7 +9,7 @@ from kshell.elements.quadrature import interval_rule
 from kshell.elements.reference import VERTICES
 from kshell.mesh.mesh import EDGE_VERTICES
 from kshell.shell.chart.surface import ChartSurface, jets_of_basis
-from kshell.shell.koiter.loads import Value, evaluate
+from kshell.shell.evaluate import Value, evaluate
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]

@@ -12,9 +12,8 @@ from kshell.mesh.words import place
 from kshell.scene.lines import shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.chart.discretisation import ArgyrisDiscretisation
-from kshell.shell.chart.limits import JUMP_INSIDE
-from kshell.shell.koiter.discretisation import USE_KOITER
-from kshell.shell.matrices import chart_foundation
+from kshell.shell.chart.matrices import chart_foundation
+from kshell.shell.limits import JUMP_INSIDE, USE_KOITER
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.supports import hinge_edges

@@ -3,16 +3,67 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.surface import ChartSurface, jets_of_basis
 from kshell.shell.frames import components, covariant_to_frame, tangent_frame
-from kshell.shell.koiter.recovery import Resultants, chart_resultants, finite_rotation
+from kshell.shell.kinematics import curvature_change
+from kshell.shell.reference import lagrange
+from kshell.shell.resultants import Resultants, finite_rotation, resultants_in_frame
+from kshell.shell.section import section_at
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
+
+
+def chart_resultants(
+    koiter: ChartKoiter,
+    x: Floats,
+    points: ArrayLike,
+    triangles: NDArray | None = None,
+    finite: bool = False,
+    initial: Floats | None = None,
+) -> Resultants:
+    """N, M and strains of a state x of the Argyris discretisation, to first order in x or of finite strains.
+
+    Parameters
+    ----------
+    x : (unknowns,)
+    points, triangles :
+        As in `kshell.shell.koiter.recovery.resultants`.
+    initial : (triangle, 6 q), optional
+        Strains without stress at the quadrature points; in between they are those of the nearest cubic.
+    """
+    surface, section = koiter.surface, koiter.section
+    chosen = np.arange(len(surface.scalar)) if triangles is None else np.asarray(triangles)
+    points = np.asarray(points, dtype=float).reshape(-1, 2)
+    position, first, second = surface.geometry(points, chosen)
+    local = surface.local(x, chosen)
+    shape = surface.shape(jets_of_basis(points)[1:], chosen)
+    u = np.stack([np.matmul(d, local[..., None])[..., 0] for d in shape])  # (5, 3, triangle, point)
+    big_m = cross(first[0], first[1])
+    n = big_m / norm(big_m)
+    m_change = cross(u[0], first[1]) + cross(first[0], u[1])
+    n_change = (m_change - n * dot(n, m_change)) / norm(big_m)
+    membrane = [dot(first[0], u[0]), dot(first[1], u[1]), 0.5 * (dot(first[0], u[1]) + dot(first[1], u[0]))]
+    bending = [-(dot(n, u[2 + v]) + dot(n_change, second[v])) for v in range(3)]
+    if finite:
+        squares = (dot(u[0], u[0]), dot(u[1], u[1]), dot(u[0], u[1]))
+        membrane = [e + 0.5 * square for e, square in zip(membrane, squares, strict=True)]
+        bending = list(-curvature_change(first, second, u[:2], u[2:]).change)
+    covariant = np.stack(membrane + bending)
+    if initial is not None:
+        between = lagrange(3, points) @ np.linalg.pinv(lagrange(3, surface.points))
+        covariant -= np.einsum("pq,tqs->stp", between, initial[chosen].reshape(len(chosen), -1, 6))
+
+    position = np.moveaxis(position, 0, 2)
+    _, b, d, angle = section_at(section, chosen, lambda: position)
+    to_frame = covariant_to_frame(components(first, *tangent_frame(first, section.direction, angle)[:2]))
+    e, kappa = (np.einsum("vwtp,wtp->tpv", to_frame, part) for part in (covariant[:3], covariant[3:]))
+    moment = (b @ e[..., None] + d @ kappa[..., None])[..., 0]
+    return resultants_in_frame(section, chosen, position, first, e, kappa, moment)
 
 
 def _geometry(first: Floats) -> tuple[Floats, Floats]:

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 from kshell.shell.chart.edges import (
-    OfPlace,
     across,
     along_edge,
     coefficients_along,
@@ -26,7 +25,8 @@ from kshell.shell.chart.edges import (
 )
 from kshell.shell.chart.free_motions import Conditions, free_motions
 from kshell.shell.chart.surface import ChartSurface
-from kshell.shell.koiter.discretisation import USE_KOITER
+from kshell.shell.evaluate import OfPlace
+from kshell.shell.limits import USE_KOITER
 from kshell.shell.planes import plane_normal, require_plane, snapped, within
 from kshell.shell.vectors import AXES
 

@@ -17,26 +17,28 @@ from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
+from kshell.shell.evaluate import OfPlace
+from kshell.shell.initial import StressFree
 from kshell.shell.koiter import loads
 from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.initial import initial_strain
 from kshell.shell.koiter.loads import edge_table, surface_points
-from kshell.shell.koiter.recovery import Resultants, displacement, energies, resultants
+from kshell.shell.koiter.reactions import rotation_axes
+from kshell.shell.koiter.recovery import displacement, energies, resultants
 from kshell.shell.koiter.supports import Supports
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.koiter.topology import largest_curvature, smooth_patches
-from kshell.shell.reactions import rotation_axes
 from kshell.shell.reference import lagrange
+from kshell.shell.resultants import Resultants
 from kshell.shell.section import Section
 from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
-OfPlace = Callable[[Floats], Floats]
 
 # neighbours that meet at a smaller angle belong to one smooth patch; flat facets of a curved surface meet at some
 FOLD = np.radians(10.0)
 FACET = np.radians(35.0)
-USE_KOITER = 'take element = "koiter", which works on charts too'
 
 
 class KoiterDiscretisation:
@@ -80,6 +82,10 @@ class KoiterDiscretisation:
     def energy(self, section: Section) -> Koiter:
         """The energy with a cross-section."""
         return Koiter(self.surface, section)
+
+    def initial_strain(self, energy: Koiter, state: StressFree, triangles: Ints) -> Floats:
+        """The strains of triangles in a state free of stress."""
+        return initial_strain(energy, state, triangles)
 
     def conditions(self) -> KoiterConditions:
         """Empty conditions on the motion."""

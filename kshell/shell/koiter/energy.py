@@ -42,7 +42,7 @@ from kshell.equilibrium.energy import StrainEnergy, in_blocks
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.shell import kinematics
-from kshell.shell.constitutive import triangle_stiffness
+from kshell.shell.koiter.constitutive import triangle_stiffness
 from kshell.shell.koiter.edges import Directors, rest_directors, turn_directors
 from kshell.shell.koiter.strain_tables import strain_tables
 from kshell.shell.koiter.surface import Surface

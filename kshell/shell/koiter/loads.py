@@ -6,26 +6,16 @@ surface. All loads below are dead loads; `follower_pressure` turns with the surf
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.shell.evaluate import Value, evaluate
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.reference import edge_quadrature, first_derivatives, lagrange
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
-Value = ArrayLike | Callable[[Floats], ArrayLike]
-
-
-def evaluate(value: Value, points: Floats, size: int) -> Floats:
-    """Value at points (..., 3): (..., size), or (...) for size 1."""
-    flat = points.reshape(-1, 3)
-    found = np.asarray(value(flat) if callable(value) else value, dtype=float)
-    shape = (len(flat),) if size == 1 else (len(flat), size)
-    return np.broadcast_to(found, shape).reshape(points.shape[:-1] if size == 1 else points.shape)
 
 
 def surface_points(surface: Surface, triangles: NDArray) -> Floats:

@@ -14,7 +14,7 @@ from kshell.scene.on_chart import lifted
 from kshell.scene.structure import Structure
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.koiter.loads import surface_points
-from kshell.shell.matrices import mass
+from kshell.shell.koiter.matrices import mass
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.supports import hinge_edges

@@ -1,7 +1,7 @@
 """Products with constant tables that turn fields at points into the strains of a triangle, and back.
 
 The arrays of a block of triangles have the components of vectors in front, so that each function below is
-one matrix product with thousands of rows. Symbols as in koiter.py.
+one matrix product with thousands of rows. Symbols as in koiter/energy.py.
 """
 
 from __future__ import annotations

@@ -11,8 +11,8 @@ from kshell.equilibrium.model import Model
 from kshell.errors import InputError
 from kshell.mesh.words import place
 from kshell.scene.imperfection import Imperfection
-from kshell.shell.koiter.discretisation import USE_KOITER
 from kshell.shell.koiter.model import KoiterModel
+from kshell.shell.limits import USE_KOITER
 from kshell.shell.problem import ShellProblem
 from kshell.shell.reference import lagrange, lattice
 

@@ -17,37 +17,15 @@ and the moments m = G^-1 (l + H c): the second half of K s.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.shell.frames import components, contravariant_to_frame, covariant_to_frame, tangent_frame
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.reference import ReferenceTriangle
-from kshell.shell.section import Section
+from kshell.shell.section import Section, section_at
 
 Floats = NDArray[np.float64]
-
-
-def section_at(
-    section: Section, triangles: slice | NDArray, points: Callable[[], Floats]
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """A, B, D (triangle or 1, point or 1, 3, 3) and angle (triangle or 1, 1) of triangles.
-
-    Parameters
-    ----------
-    points : function
-        Gives the places (triangle, point, 3) in space; asked where the section varies inside triangles.
-    """
-    angle = section.angle[triangles] if len(section.angle) > 1 else section.angle
-    if section.varying is not None:
-        number = np.arange(triangles.stop)[triangles] if isinstance(triangles, slice) else triangles
-        return *section.varying(number, points()), angle[:, None]
-    a, b, d = (
-        m[triangles] if len(m) > 1 else m for m in (section.membrane, section.coupling, section.bending)
-    )
-    return a[:, None], b[:, None], d[:, None], angle[:, None]
 
 
 def _integrate(reference: ReferenceTriangle, weight: Floats, left: Floats) -> Floats:

@@ -6,19 +6,12 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
 
-from kshell.shell.chart.surface import ChartSurface
-from kshell.shell.koiter.loads import Value, edge_table, evaluate, surface_points
+from kshell.shell.evaluate import Value, evaluate
+from kshell.shell.koiter.loads import edge_table, surface_points
 from kshell.shell.koiter.surface import Surface
+from kshell.shell.reference import weighted_products
 
 Floats = NDArray[np.float64]
-
-
-def _weighted_products(values: Floats, weight: Floats) -> Floats:
-    """sum_q weight_q N_i N_j: values (q, n) or (element, q, n), weight (element, q); (element, n, n)."""
-    if values.ndim == 2:
-        pairs = np.einsum("qi,qj->qij", values, values).reshape(len(values), -1)
-        return (weight @ pairs).reshape(-1, values.shape[1], values.shape[1])
-    return np.matmul(values.swapaxes(1, 2) * weight[:, None, :], values)
 
 
 def _spread(surface: Surface, nodes: NDArray, blocks: Floats, directions: Floats) -> sp.csr_matrix:
@@ -60,7 +53,7 @@ def foundation(
     else:
         factor = np.broadcast_to(np.asarray(stiffness, dtype=float), points.shape[:-1])
     weight = factor * surface.area_elements[chosen] * surface.reference.weights
-    blocks = _weighted_products(surface.reference.values, weight)
+    blocks = weighted_products(surface.reference.values, weight)
     return _spread(surface, surface.triangle_nodes[chosen], blocks, np.asarray(directions, dtype=float))
 
 
@@ -69,7 +62,7 @@ def line_springs(
 ) -> sp.csr_matrix:
     """Springs along edges; stiffness in force per length and displacement."""
     nodes, shape, weight, points = edge_table(surface, edges, surface.order + 1)
-    blocks = _weighted_products(shape, evaluate(stiffness, points, 1) * weight)
+    blocks = weighted_products(shape, evaluate(stiffness, points, 1) * weight)
     return _spread(surface, nodes, blocks, np.asarray(directions, dtype=float))
 
 
@@ -92,28 +85,3 @@ def point_springs(surface: Surface, stiffness: ArrayLike, nodes: ArrayLike) -> s
     nodes = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
     np.add.at(diagonal, 3 * nodes[:, None] + np.arange(3), np.asarray(stiffness, dtype=float))
     return sp.diags(diagonal, format="csr")
-
-
-def chart_foundation(
-    surface: ChartSurface, stiffness: Value, directions: ArrayLike, triangles: NDArray | None = None
-) -> sp.csr_matrix:
-    """Springs spread over triangles of the Argyris discretisation; with unit directions, its mass matrix.
-
-    Parameters as in `foundation`.
-    """
-    chosen = np.arange(len(surface.scalar)) if triangles is None else triangles
-    points = np.moveaxis(surface.positions[:, chosen], 0, 2)
-    if callable(stiffness):
-        factor = evaluate(stiffness, points, 1)
-    else:
-        factor = np.broadcast_to(np.asarray(stiffness, dtype=float), points.shape[:-1])
-    reference = _weighted_products(
-        surface.tables[0], factor * surface.area_elements[chosen] * surface.weights
-    )
-    m = surface.transformation[chosen]
-    blocks = m.swapaxes(1, 2) @ reference @ m
-    dofs = surface.scalar[chosen]
-    n = dofs.shape[1]
-    i, j = np.repeat(dofs, n, axis=1).ravel(), np.tile(dofs, (1, n)).ravel()
-    scalar = sp.coo_matrix((blocks.ravel(), (i, j)), shape=(surface.scalars, surface.scalars)).tocsr()
-    return sp.kron(scalar, np.asarray(directions, dtype=float), format="csr")

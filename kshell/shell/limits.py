@@ -1,4 +1,4 @@
-"""Where Argyris functions on a chart are not to be taken."""
+"""Where Argyris functions on a chart are not to be taken, and what to take."""
 
 # charts that are thinner, against their size, lock
 THINNEST = 2e-3
@@ -6,3 +6,5 @@ THINNEST = 2e-3
 JUMP_INSIDE = (
     "jump across lines inside the shell (steps of the section, lines held or loaded, borders of free strains)"
 )
+
+USE_KOITER = 'take element = "koiter", which works on charts too'
