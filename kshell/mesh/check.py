@@ -123,17 +123,11 @@ def is_flat(points: Floats) -> bool:
 
 def curved_triangles(mesh: Triangulation, midpoints: Floats) -> None:
     """Raise where the mid-edge nodes turn a triangle of order 2 inside out."""
-    x = quadratic.node_points(mesh, midpoints)
-    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    at_nodes = quadratic.normals(x, quadratic.NODES)  # (node, triangle, 3)
-    # 1 for a flat triangle with straight edges
-    worst = np.sum(at_nodes * normal, axis=2).min(axis=0) / np.sum(normal**2, axis=1)
-    bad = np.flatnonzero(worst <= 1e-6)
+    bad = quadratic.inside_out(mesh, midpoints)
     if len(bad):
-        first = bad[np.argmin(worst[bad])]
         raise InputError(
             f"{mesh.source}: {count(len(bad), 'triangle')} of order 2 turned inside out by their mid-edge "
-            f"nodes, the worst at {place(x[first, :3].mean(axis=0))}. Mesh finer along the curved edge, or "
+            f"nodes, the worst at {place(mesh.points[mesh.triangles[bad[0]]].mean(axis=0))}. Mesh finer along the curved edge, or "
             "use gmsh's optimisation: `Mesh.HighOrderOptimize = 2;`"
         )
 

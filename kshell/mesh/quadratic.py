@@ -18,6 +18,9 @@ RULE_POINTS = np.array(
 )
 RULE_WEIGHTS = np.array([0.109951743655322] * 3 + [0.223381589678011] * 3)
 
+# part of the normal of the flat triangle that must be left at every node
+LEAST_NORMAL = 1e-6
+
 
 def node_points(mesh: Triangulation, midpoints: Floats) -> Floats:
     """(triangle, 6, 3) places of the nodes."""
@@ -46,3 +49,14 @@ def normals(nodes: Floats, barycentric: Floats) -> Floats:
     """
     tangents = np.einsum("pdn,tnx->dptx", gradients(barycentric), nodes)
     return np.cross(tangents[0], tangents[1])
+
+
+def inside_out(mesh: Triangulation, midpoints: Floats) -> NDArray[np.int64]:
+    """Triangles whose normal turns back at one of their nodes, the worst first."""
+    x = node_points(mesh, midpoints)
+    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    at_nodes = normals(x, NODES)  # (node, triangle, 3)
+    # 1 for a flat triangle with straight edges
+    worst = np.sum(at_nodes * normal, axis=2).min(axis=0) / np.sum(normal**2, axis=1)
+    bad = np.flatnonzero(worst <= LEAST_NORMAL)
+    return bad[np.argsort(worst[bad], kind="stable")]
