@@ -80,7 +80,9 @@ def choose_model(structure: Structure, options: SolveOptions) -> ModelChoice:
         if options.element == "koiter"
         else "for surfaces with folds, branches and any curvature"
     )
-    return ModelChoice("shell", "koiter", order, (why, f"element koiter: {asked}", reason))
+    mesh = structure.parameters
+    shape = () if mesh.curving is None else (f"shape: {mesh.curving.reason}",)
+    return ModelChoice("shell", "koiter", order, (why, f"element koiter: {asked}", reason, *shape))
 
 
 def _plate(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:
@@ -246,7 +248,9 @@ def _order(structure: Structure, options: SolveOptions) -> tuple[int, str]:
     if options.order != "auto":
         return options.order, f"order {options.order}: as asked for"
     mesh = structure.parameters
-    true_shape = structure.chart is not None or facets(mesh) is None
+    if mesh.curving is not None and mesh.curving.order < 3:
+        return mesh.curving.order, f"order {mesh.curving.order}: as good as the shape is known"
+    true_shape = structure.chart is not None or mesh.curving is not None or facets(mesh) is None
     if not true_shape:
         return (
             2,

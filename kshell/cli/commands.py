@@ -114,7 +114,15 @@ def solve(
         ),
     ] = None,
     mesh_size: Annotated[float | None, typer.Option(help="Triangle size, for geometry files only.")] = None,
-    mesh_order: Annotated[int | None, typer.Option(help="1 or 2, for geometry files only.")] = None,
+    mesh_order: Annotated[
+        str | None, typer.Option(metavar="auto|1|2", help="For geometry files only; auto: 2 where curved.")
+    ] = None,
+    facets: Annotated[
+        str | None, typer.Option(metavar="auto|flat|curved", help="Flat triangles of a curved shell.")
+    ] = None,
+    crease: Annotated[
+        float | None, typer.Option(help="Angle in degrees from which neighbours meet in a fold.")
+    ] = None,
     geometry: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Of a flat-sided mesh: .geo, .step, .brep to curve it onto."),
@@ -147,7 +155,9 @@ def solve(
         "symmetry": symmetry,
         "pressure": pressure,
         "mesh_size": mesh_size,
-        "mesh_order": mesh_order,
+        "mesh_order": number(mesh_order),
+        "facets": facets,
+        "crease": crease,
         "geometry": geometry,
     }
     begin = time.perf_counter()

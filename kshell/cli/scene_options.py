@@ -63,7 +63,9 @@ def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:
         supports=supports,
         loads=loads,
         mesh_size=given.get("mesh_size"),
-        mesh_order=given.get("mesh_order"),
+        mesh_order=given.get("mesh_order", "auto"),
+        facets=given.get("facets", "auto"),
+        crease=given.get("crease", 30.0),
         geometry=given.get("geometry"),
         title=mesh.name,
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from kshell.errors import InputError
 from kshell.mesh import check
 from kshell.mesh.orient import to_reverse
 from kshell.mesh.raw import RawGroup, RawMesh
-from kshell.mesh.triangulation import KIND_OF_DIMENSION, Group, Triangulation
+from kshell.mesh.triangulation import KIND_OF_DIMENSION, Group, Triangulation, changed
 from kshell.mesh.words import count, place, quoted
 
 Floats = NDArray[np.float64]
@@ -62,19 +62,9 @@ def build(raw: RawMesh, kind: type[M]) -> M:
         check.curved_triangles(bare, midpoints)
 
     groups = _groups(raw, bare, vertex_of, row_of, notes)
-    mesh = _changed(bare, midpoints=midpoints, groups=groups)
+    mesh = changed(bare, midpoints=midpoints, groups=groups)
     notes += check.connections(mesh)
-    return _changed(mesh, notes=tuple(notes))
-
-
-def _changed(mesh: M, **changes: Any) -> M:
-    """The mesh with other attributes but the same points and triangles; the edge table is kept, being "
-    "costly."""
-    new = replace(mesh, **changes)
-    new.__dict__.update(
-        {name: mesh.__dict__[name] for name in ("_edge_table", "edge_lengths") if name in mesh.__dict__}
-    )
-    return new
+    return changed(mesh, notes=tuple(notes))
 
 
 def reversed_triangles(mesh: M, which: NDArray[np.bool_]) -> M:

@@ -125,9 +125,10 @@ def curved_triangles(mesh: Triangulation, midpoints: Floats) -> None:
     """Raise where the mid-edge nodes turn a triangle of order 2 inside out."""
     bad = quadratic.inside_out(mesh, midpoints)
     if len(bad):
+        where = place(mesh.points[mesh.triangles[bad[0]]].mean(axis=0))
         raise InputError(
             f"{mesh.source}: {count(len(bad), 'triangle')} of order 2 turned inside out by their mid-edge "
-            f"nodes, the worst at {place(mesh.points[mesh.triangles[bad[0]]].mean(axis=0))}. Mesh finer along the curved edge, or "
+            f"nodes, the worst at {where}. Mesh finer along the curved edge, or "
             "use gmsh's optimisation: `Mesh.HighOrderOptimize = 2;`"
         )
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.mesh.mesh import Mesh
 from kshell.mesh.orient import shared_edges
+from kshell.mesh.triangulation import Triangulation
 
 Floats = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ class Facets:
     at: Floats
 
 
-def facets(mesh: Mesh) -> Facets | None:
+def facets(mesh: Triangulation) -> Facets | None:
     """What is curved about a mesh of flat triangles; None for flat sheets, with folds or without, and for order 2."""
     if mesh.midpoints is not None:
         return None

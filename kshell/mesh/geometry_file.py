@@ -42,11 +42,13 @@ PACKAGE_OF_LIBRARY = {
 # OpenCASCADE converts these formats
 IN_MILLIMETRES = (".step", ".stp", ".iges", ".igs")
 MOST_TRIANGLES = 10_000_000  # of a geometry file, foreseen from its area and mesh_size
+# gmsh's types of curves and surfaces that triangles of order 1 follow exactly
+STRAIGHT = ("Plane", "Line", "Discrete")
 ALL_PACKAGES = "libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1"
 
 
 def read_geometry(
-    path: Path, mesh_size: float | None = None, mesh_order: int | None = None, allow_system: bool = False
+    path: Path, mesh_size: float | None = None, mesh_order: int | str | None = None, allow_system: bool = False
 ) -> RawMesh:
     """Mesh a geometry file in two dimensions.
 
@@ -55,7 +57,8 @@ def read_geometry(
     path : Path
     mesh_size : float, optional
         Edge length everywhere, instead of the sizes in the file.
-    mesh_order : 1 or 2, optional
+    mesh_order : 1, 2 or "auto", optional
+        auto: at least 2 where a surface or one of its curves is curved.
     allow_system : bool
         Whether the file may run programs and write files.
 
@@ -67,7 +70,7 @@ def read_geometry(
     """
     if mesh_size is not None and not 0 < mesh_size < float("inf"):
         raise InputError(f"mesh_size must be a positive length, not {mesh_size}")
-    if mesh_order not in (None, 1, 2):
+    if mesh_order not in (None, "auto", 1, 2):
         raise InputError(f"mesh_order must be 1 or 2, not {mesh_order}")
     with (
         tempfile.TemporaryDirectory(prefix="kshell-") as folder,
@@ -253,8 +256,11 @@ def _mesh_area(gmsh: Any) -> float:
     return area
 
 
-def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_order: int | None) -> None:
+def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_order: int | str | None) -> None:
     number = gmsh.option.setNumber
+    if mesh_order == "auto":
+        raised = gmsh.option.getNumber("Mesh.ElementOrder") == 1 and _is_curved(gmsh.model)
+        mesh_order = 2 if raised else None
     if mesh_size is not None:
         _foresee(gmsh, path, mesh_size)
         number("Mesh.MeshSizeMin", mesh_size)
@@ -274,6 +280,20 @@ def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_ord
     number("Mesh.MshFileVersion", 4.1)
     number("Mesh.Binary", 1)
     gmsh.write(str(target))
+
+
+def _is_curved(model: Any) -> bool:
+    """Whether some surface is no plane, or one of the curves on surfaces is no line."""
+    surfaces = model.getEntities(2)
+    if any(_kind(model, entity) not in STRAIGHT for entity in surfaces):
+        return True
+    return any(_kind(model, curve) not in STRAIGHT for curve in model.getBoundary(surfaces, False, False))
+
+
+def _kind(model: Any, entity: tuple[int, int]) -> str:
+    """Type of an entity; discrete ones are made of straight cells."""
+    kind = str(model.getType(entity[0], abs(entity[1])))
+    return "Discrete" if kind.startswith("Discrete") else kind
 
 
 def _with_line_end(path: Path, folder: Path) -> Path:

@@ -32,6 +32,8 @@ class Mesh(Triangulation):
         What was repaired or is worth knowing, in words for the user.
     source : str
         Where the mesh came from, for messages.
+    curving : Curving or None
+        Of flat triangles that stand for a curved surface.
     """
 
     @classmethod

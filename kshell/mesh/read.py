@@ -13,6 +13,7 @@ from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.order import in_spatial_order
 from kshell.mesh.orient import to_reverse
+from kshell.mesh.raw import RawMesh
 from kshell.mesh.words import count, nearest_name
 
 GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs")
@@ -24,7 +25,7 @@ LARGE = 50_000  # vertices of a file from which on they are put in spatial order
 def read_mesh(
     source: Any,
     mesh_size: float | None = None,
-    mesh_order: int | None = None,
+    mesh_order: int | str | None = None,
     geometry: str | os.PathLike[str] | None = None,
     allow_system: bool = False,
 ) -> Mesh:
@@ -36,8 +37,9 @@ def read_mesh(
         Files: .msh of gmsh 2.2 or 4.1; .geo, .step, .brep, .iges, which gmsh meshes; what else meshio reads.
     mesh_size : float, optional
         Edge length wanted everywhere, for geometry files only; absent: the sizes the file itself gives.
-    mesh_order : 1 or 2, optional
-        For geometry files only; absent: what the file itself gives.
+    mesh_order : 1, 2 or "auto", optional
+        For geometry files only; absent: what the file itself gives; auto: at least 2 where a surface or curve is
+        curved.
     geometry : path, optional
         .geo, .step, .brep or .iges from which a mesh of order 1 was made: it becomes one of order 2 with its
         mid-edge nodes on the curves and surfaces there.
@@ -59,6 +61,8 @@ def read_mesh(
     is_path = isinstance(source, (str, os.PathLike))
     path = Path(source) if is_path else None
     is_geometry = path is not None and path.suffix.lower() in GEOMETRY_SUFFIXES
+    if not is_geometry and mesh_order == "auto":
+        mesh_order = None
     if not is_geometry and (mesh_size is not None or mesh_order is not None):
         option = "mesh_size" if mesh_size is not None else "mesh_order"
         name = path.name if path else f"a {type(source).__name__} object"
@@ -76,7 +80,8 @@ def read_mesh(
     if is_geometry:
         from kshell.mesh.geometry_file import read_geometry
 
-        return _quick_to_walk(build(read_geometry(path, mesh_size, mesh_order, allow_system), Mesh))
+        raw = read_geometry(path, mesh_size, mesh_order, allow_system)
+        return _quick_to_walk(_build_or_straight(raw) if mesh_order == "auto" else build(raw, Mesh))
     if path.suffix.lower() == ".msh" or _begins_like_gmsh(path):
         from kshell.mesh.gmsh_file import read_gmsh
 
@@ -92,7 +97,7 @@ def read_mesh(
 
 
 def _on_geometry(
-    source: Any, path: Path, mesh_size: float | None, mesh_order: int | None, allow_system: bool
+    source: Any, path: Path, mesh_size: float | None, mesh_order: int | str | None, allow_system: bool
 ) -> Mesh:
     from kshell.mesh.on_geometry import put_on_geometry
 
@@ -109,6 +114,18 @@ def _on_geometry(
     mesh = read_mesh(source, mesh_size, mesh_order)
     _require_file(path, "geometry")
     return put_on_geometry(mesh, path, allow_system)
+
+
+def _build_or_straight(raw: RawMesh) -> Mesh:
+    """The mesh, or that of its straight triangles where mid-edge nodes nobody asked for turn some inside out."""
+    try:
+        return build(raw, Mesh)
+    except InputError as error:
+        if raw.triangles.shape[1] == 3:
+            raise
+        raw.triangles = raw.triangles[:, :3]
+        raw.notes.append(f"straight triangles, because of order 2 {error}")
+        return build(raw, Mesh)
 
 
 def _quick_to_walk(mesh: Mesh) -> Mesh:

@@ -6,8 +6,9 @@ edges of a triangle (a, b, c) are (a, b), (b, c), (a, c) in that order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,6 +50,24 @@ class Group:
         return KIND_OF_DIMENSION[self.dimension]
 
 
+@dataclass(frozen=True)
+class Curving:
+    """How the flat triangles of a curved surface were taken, see `kshell.mesh.curving`.
+
+    Attributes
+    ----------
+    order : int
+        The largest order of elements that the nodes are good for.
+    reason : str
+        Why.
+    warnings : tuple of str
+    """
+
+    order: int
+    reason: str
+    warnings: tuple[str, ...] = ()
+
+
 @dataclass(frozen=True, eq=False)
 class Triangulation:
     """Triangles in space; what the rest of kshell takes is its subclass `kshell.Mesh`.
@@ -67,6 +86,8 @@ class Triangulation:
         What was repaired or is worth knowing, in words for the user.
     source : str
         Where the mesh came from, for messages.
+    curving : Curving or None
+        Of flat triangles that stand for a curved surface.
     """
 
     points: Floats
@@ -75,6 +96,7 @@ class Triangulation:
     groups: dict[str, Group] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     source: str = "mesh"
+    curving: Curving | None = None
 
     @property
     def order(self) -> int:
@@ -150,3 +172,15 @@ class Triangulation:
         key = pair[:, 0] * n + pair[:, 1]
         place = np.minimum(np.searchsorted(table, key), len(table) - 1)
         return np.where(table[place] == key, place, -1).astype(np.int32)
+
+
+M = TypeVar("M", bound=Triangulation)
+
+
+def changed(mesh: M, **changes: Any) -> M:
+    """The mesh with other attributes but the same points and triangles; its edge table is kept."""
+    new = replace(mesh, **changes)
+    new.__dict__.update(
+        {name: mesh.__dict__[name] for name in ("_edge_table", "edge_lengths") if name in mesh.__dict__}
+    )
+    return new

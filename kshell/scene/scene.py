@@ -125,8 +125,13 @@ class Scene:
         Named points whose values are reported.
     mesh_size : float, optional
         Triangle size, only for geometry files.
-    mesh_order : 1 or 2, optional
-        Order of the triangles, only for geometry files.
+    mesh_order : "auto", 1 or 2
+        Order of the triangles, only for geometry files; auto: 2 where a surface or curve is curved.
+    facets : "auto", "flat" or "curved"
+        Whether flat triangles of a curved surface get mid-edge nodes on a smooth surface through their vertices; auto:
+        where the error of these nodes is small against the thickness.
+    crease : float
+        Angle in degrees from which neighbours meet in a fold that stays one.
     geometry : path, optional
         .geo, .step, .brep or .iges from which a mesh of order 1 was made: its mid-edge nodes are put on the curves
         and surfaces there, which makes it one of order 2.
@@ -152,7 +157,9 @@ class Scene:
     direction: Annotated[Any, BeforeValidator(_direction)] = None
     imperfection: Any = None
     mesh_size: Number | None = None
-    mesh_order: Literal[1, 2] | None = None
+    mesh_order: Literal["auto", 1, 2] = "auto"
+    facets: Literal["auto", "flat", "curved"] = "auto"
+    crease: Number = 30.0
     geometry: Annotated[Any, BeforeValidator(_geometry)] = None
     title: str = ""
     solve: Any = field(default_factory=SolveOptions)
@@ -179,6 +186,8 @@ class Scene:
         self._require_one_section()
         if self.mesh_size is not None and not self.mesh_size > 0:
             raise InputError(f"scene: mesh_size = {self.mesh_size:g} must be > 0")
+        if not 0 < self.crease < 180:
+            raise InputError(f"scene: crease = {self.crease:g} must be an angle between 0 and 180 degrees")
         if self.geometry is not None and self.chart is not None:
             raise InputError(
                 "scene: geometry and chart given: each says how the shell is curved, leave one out"
@@ -211,7 +220,7 @@ class Scene:
         return any(material.density == 0.0 for material in materials)
 
     def read_mesh(self, allow_system: bool = False) -> Mesh:
-        """The mesh of the scene, read and checked.
+        """The mesh of the scene, read and checked, flat triangles of curved surfaces curved as `facets` says.
 
         Parameters
         ----------
@@ -224,8 +233,10 @@ class Scene:
             If it cannot be read or used.
         """
         from kshell.mesh import read_mesh
+        from kshell.scene.facets import curved
 
-        return read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry, allow_system)
+        mesh = read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry, allow_system)
+        return curved(self, mesh)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:

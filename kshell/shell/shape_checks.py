@@ -65,6 +65,8 @@ def _locking(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
     argyris = discretisation.name == "argyris"
     if not argyris and discretisation.order > 1:
         return []
+    if mesh.curving is not None and mesh.curving.order == 1:
+        return []  # what the vertices do not tell is worse, and said
     centres = mesh.points[mesh.triangles].mean(axis=1)
     t = float(section.thickness(np.arange(len(mesh.triangles)), centres[:, None]).min())
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
@@ -87,6 +89,8 @@ def _locking(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
 
 
 def _faceted(mesh: Mesh) -> list[str]:
+    if mesh.curving is not None:  # looked at when the scene read its mesh
+        return list(mesh.curving.warnings)
     found = facets(mesh)
     if found is None:
         return []

@@ -277,3 +277,33 @@ def test_quadrilaterals_of_a_geometry(geo):
     mesh = read_mesh(geo(SQUARE + "Recombine Surface{1};\n"))
     assert mesh.areas.sum() == pytest.approx(1.0)
     assert "split into triangles" in mesh.notes[0]
+
+
+CURVED = {
+    "square": ("Rectangle(1) = {0, 0, 0, 1, 1};", 1),
+    "disk": ("Disk(1) = {0, 0, 0, 1};", 2),
+    "tube": ("Circle(1) = {0, 0, 0, 1}; Extrude {0, 0, 1} { Curve{1}; }", 2),
+    "box": ("Box(1) = {0, 0, 0, 1, 1, 1}; Delete { Volume{1}; }", 1),
+}
+
+
+@pytest.mark.parametrize("name", CURVED)
+def test_order_by_itself_where_something_is_curved(geo, name):
+    text, order = CURVED[name]
+    path = geo('SetFactory("OpenCASCADE");\n' + text + "\nMesh.MeshSizeMax = 0.5;\n")
+    assert read_mesh(path, mesh_order="auto").order == order
+    assert read_mesh(path).order == 1
+    assert read_mesh(path, mesh_order=1).order == 1
+
+
+def test_straight_triangles_where_order_2_turns_one_inside_out(geo):
+    """A triangle whose arc bulges to 0.9 of the way to the opposite corner."""
+    text = "Point(1) = {-1, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {0, 0.886111111, 0}; Point(4) = {0, -0.5, 0};\n"
+    text += "Circle(1) = {1, 3, 2}; Line(2) = {2, 4}; Line(3) = {4, 1};\n"
+    text += "Transfinite Curve {1, 2, 3} = 2;\nCurve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};\n"
+    path = geo(text)
+    with pytest.raises(InputError, match="inside out"):
+        read_mesh(path, mesh_order=2)
+    mesh = read_mesh(path, mesh_order="auto")
+    assert mesh.order == 1
+    assert any("inside out" in note for note in mesh.notes)

@@ -169,12 +169,14 @@ def test_scenes_give_the_answer_of_order_2(tmp_path, name):
                 "geometry": str(SHIPPED / f"{name}.geo"),
             }
         ),
-        "flat": replace(scene, mesh=flat),
+        "flat": replace(scene, mesh=flat, facets="flat"),
+        "curved": replace(scene, mesh=flat),
     }
     where = next(iter(scene.probes))
     w = {key: ks.solve(s, order=2).probe(where)["u"][2] for key, s in scenes.items()}
     assert w["lifted"] == pytest.approx(w["order 2"], rel=1e-5)
     assert abs(w["flat"] / w["order 2"] - 1) > 1e-3
+    assert w["curved"] == pytest.approx(w["order 2"], rel=1e-7)
 
 
 def wrong(tmp_path, disk, case):

@@ -73,13 +73,17 @@ def test_thick_shells_flat_facets_and_crossings_are_warned_of():
     )
 
     roof = ks.Scene.load(MESHES / "scordelis_lo.toml")
-    faceted = dataclasses.replace(roof, mesh=dataclasses.replace(roof.read_mesh(), midpoints=None))
+    flat = dataclasses.replace(roof.read_mesh(), midpoints=None)
+    faceted = dataclasses.replace(roof, mesh=flat, facets="flat")
     result = ks.solve(faceted)
     assert any(
-        "flat triangles" in words and "2.9 degrees" in words and "order 2" in words
+        "flat triangles" in words and "2.9 degrees" in words and 'facets = "flat"' in words
         for words in result.warnings
     )
-    assert result.model["order"] == 2
+    assert result.mesh.midpoints is None
+    assert not any(
+        "flat triangles" in words for words in ks.solve(dataclasses.replace(roof, mesh=flat)).warnings
+    )
     assert not ks.solve(roof).warnings
 
     a, b = panel((0, 0, 0), (1, 0, 0), (0, 1, 0), 3), panel((0.45, 0.2, -0.5), (0, 0.5, 0), (0, 0, 1), 3)

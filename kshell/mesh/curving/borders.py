@@ -134,7 +134,9 @@ def onto_sheets(mesh: Triangulation, sheets: Sheets, fits: Fits, found: Arcs) ->
     which = np.flatnonzero(trusted & (surfaces[0][1] | surfaces[1][1]))
     x = nodes[which]
     for _ in range(STEPS):
-        x = x + _step(mesh, fits, [tuple(part[which] for part in s) for s in surfaces], beside[which], found, which, x)
+        x = x + _step(
+            mesh, fits, [tuple(part[which] for part in s) for s in surfaces], beside[which], found, which, x
+        )
     near = np.linalg.norm(x - nodes[which], axis=1) <= FAR * bow[which]
     nodes[which[near]] = x[near]
     return nodes

@@ -27,7 +27,8 @@ QUARTIC = tuple((total - j, j, 0) for total in range(1, 5) for j in range(total 
 RINGS = 2
 MORE = 1.4  # vertices wanted, in the number of coefficients
 GROWN = 2  # rings by which neighbourhoods that do not determine the surface grow
-# smallest over largest singular value of the scaled columns below which they do not: few columns of vertices at a border
+# smallest over largest singular value of the scaled columns below which they do not, as few columns of vertices at a
+# border
 DETERMINED = 1e-3
 VANISHING = 1e-9  # columns that are left out, against the largest: powers of z in a flat neighbourhood
 ROUNDING = 1e-7  # singular values that count as zero
@@ -117,7 +118,7 @@ class Fits:
         columns = np.concatenate([self._columns(x), x[..., 2:]], axis=2) * weight[..., None]
         # triangular factor of [A b]: the last column holds Q^T b, and below it the part of b out of reach
         n_terms = len(self.terms)
-        factor = np.linalg.qr(columns, mode="r")
+        factor: Floats = np.asarray(np.linalg.qr(columns, mode="r"))
         if factor.shape[1] < n_terms + 1:
             more = np.zeros((len(rows), n_terms + 1 - factor.shape[1], n_terms + 1))
             factor = np.concatenate([factor, more], axis=1)

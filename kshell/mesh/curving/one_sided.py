@@ -42,6 +42,10 @@ class Edges(NamedTuple):
     corners: Ints
     normal: Floats
 
+    def some(self, which: Ints) -> Edges:
+        """The edges at positions (n,)."""
+        return Edges(self.ends[which], self.corners[which], self.normal[which])
+
 
 def candidates(edges: Edges, step: Any) -> tuple[Ints, Ints]:
     """Pairs of an edge and a vertex within two rings of its ends: (pair,) each, sorted by edge."""

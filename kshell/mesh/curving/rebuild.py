@@ -29,6 +29,9 @@ CREASE = 30.0  # degrees
 STEPS = 5  # of Newton's method from the chord to a surface
 QUADRIC_ENOUGH = 2e-4  # estimate, in the bow, up to which quartics are not tried
 ENOUGH = 0.01  # the same, up to which jumps of curvature are not looked for
+MUCH_BETTER = (
+    0.2  # residual of a fit near, in the estimate, from which it may be one beside a jump of curvature
+)
 LEAST_BOW = 1e-3  # in the length of the edge, for these ratios
 WILD = 3.0  # turn of an arc, in the largest angle between facets near, beyond which it is no curve of theirs
 STRAIGHTENED = 5  # times that triangles turned inside out are looked for
@@ -113,15 +116,22 @@ def _inside(mesh: Triangulation, edges: Edges, quadrics: Fits, inner: Ints) -> t
         return bow, estimate
     quartics = Fits(quadrics.near, QUARTIC)
     quartics.fit(np.unique(edges.ends[doubt]))
-    some = Edges(*(part[doubt] for part in edges))
-    _take_better(bow, estimate, doubt, *_mean(some, quartics))
+    few = edges.some(doubt)
+    _take_better(bow, estimate, doubt, *_mean(few, quartics))
     doubt = doubtful(ENOUGH)
     if len(doubt):
-        some = Edges(*(part[doubt] for part in edges))
-        row, vertex = candidates(some, quadrics.near.step)
+        few = edges.some(doubt)
+        row, vertex = candidates(few, quadrics.near.step)
         quartics.fit(np.unique(vertex))
         for fits in (quadrics, quartics):
-            _take_better(bow, estimate, doubt, *one_sided(some, fits, row, vertex))
+            # noise, and meshes that are too coarse, leave no fit near that is much better than the others
+            least = np.full(len(doubt), np.inf)
+            np.minimum.at(least, row, np.where(fits.determined[vertex], fits.residual[vertex], np.inf))
+            better = np.flatnonzero(least <= MUCH_BETTER * estimate[doubt])
+            mine = np.isin(row, better)
+            part = few.some(better)
+            found = one_sided(part, fits, np.searchsorted(better, row[mine]), vertex[mine])
+            _take_better(bow, estimate, doubt[better], *found)
     return bow, estimate
 
 

@@ -65,8 +65,9 @@ def find_sheets(mesh: Triangulation, crease: float) -> Sheets:
     two = pair[:, 0] >= 0
     curved = two & (angle > FLAT) & (angle < crease)
     level = max(FLAT, FLAT_PART * float(np.median(angle[curved]))) if curved.any() else FLAT
-    label = _components(len(mesh.triangles), pair[two & (angle < level)])
-    flat = _whole_fans(mesh, two & (angle >= level), label)
+    in_plane = two & (angle < level)
+    label = _components(len(mesh.triangles), pair[in_plane])
+    flat = _whole_fans(mesh, ~in_plane, label)
     flat |= _wide_strips(mesh, angle, pair, label, level, crease, flat)
     kept = ~two | (angle >= crease)
     kept |= _jumps(mesh, angle, pair, kept)
@@ -75,7 +76,7 @@ def find_sheets(mesh: Triangulation, crease: float) -> Sheets:
     return Sheets(angle, pair, kept, flat, triangles, vertex)
 
 
-def unit_normals(points: Floats, triangles: Ints) -> Floats:
+def unit_normals(points: Floats, triangles: NDArray[np.integer]) -> Floats:
     """(triangle, 3)."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     n = np.cross(b - a, c - a)
@@ -103,10 +104,10 @@ def _components(number: int, links: Ints) -> Ints:
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def _whole_fans(mesh: Triangulation, bent: Bools, label: Ints) -> Bools:
-    """(triangle,) coplanar sets with a vertex none of whose edges is bent."""
+def _whole_fans(mesh: Triangulation, border_or_bent: Bools, label: Ints) -> Bools:
+    """(triangle,) coplanar sets with a vertex off the border none of whose edges is bent."""
     rough = np.zeros(len(mesh.points), dtype=bool)
-    rough[mesh.edges[bent]] = True
+    rough[mesh.edges[border_or_bent]] = True
     hit = ~rough[mesh.triangles].all(axis=1)
     return np.isin(label, label[hit])
 
