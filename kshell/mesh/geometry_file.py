@@ -48,7 +48,10 @@ ALL_PACKAGES = "libglu1-mesa libxcursor1 libxft2 libxinerama1 libxrender1"
 
 
 def read_geometry(
-    path: Path, mesh_size: float | None = None, mesh_order: int | str | None = None, allow_system: bool = False
+    path: Path,
+    mesh_size: float | None = None,
+    mesh_order: int | str | None = None,
+    allow_system: bool = False,
 ) -> RawMesh:
     """Mesh a geometry file in two dimensions.
 
