@@ -16,13 +16,11 @@ from kshell.errors import InputError
 from kshell.material.laminate import NEGLIGIBLE_COUPLING
 from kshell.mesh.check import is_flat
 from kshell.mesh.facets import facets
-from kshell.mesh.words import place
-from kshell.scene.lines import shell_lines
 from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Structure
 from kshell.scene.supports import Hinge
-from kshell.shell.limits import JUMP_INSIDE, THINNEST
+from kshell.shell.limits import THINNEST, what_they_smooth
 from kshell.solvers.memory import SHARE, available_bytes
 
 # up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
@@ -227,11 +225,7 @@ def _beyond_argyris(structure: Structure) -> str:
     for placed in structure.loads:
         if getattr(placed.item, "follower", False):
             return f"{placed.item} needs it"
-    lines = shell_lines(structure)
-    if lines.any():
-        at = structure.space.points[structure.space.edges[np.argmax(lines)]].mean(axis=0)
-        return f"derivatives of the displacement {JUMP_INSIDE}, for example at {place(at)}"
-    return ""
+    return what_they_smooth(structure)
 
 
 def _largest_thickness(structure: Structure) -> float:

@@ -87,6 +87,12 @@ class PlateProblem:
         """Whether the matrix is best a dense array."""
         return self.reduction.count <= DENSE_UP_TO
 
+    @property
+    def size_over_height(self) -> float:
+        """Size of the plate over the median height of its triangles on their longest edges."""
+        longest = self.mesh.edge_lengths[self.mesh.triangle_edges].max(axis=1)
+        return float(self.mesh.size / np.median(2 * self.mesh.areas / longest))
+
     @cached_property
     def assembled(self) -> Assembled:
         """Matrix and loads on the unknowns, and the share of prescribed motion."""

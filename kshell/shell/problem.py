@@ -20,6 +20,7 @@ from kshell.mesh.closest import Locator
 from kshell.mesh.words import place
 from kshell.scene.structure import Structure
 from kshell.shell.held import require_held
+from kshell.shell.limits import what_they_smooth
 from kshell.shell.loads import ShellLoads, apply_loads
 from kshell.shell.section import Section as Stiffness
 from kshell.shell.shape_checks import shape_warnings
@@ -144,6 +145,12 @@ class ShellProblem:
         out = [*self.supports.warnings, *self.loads.warnings]
         out += shape_warnings(self.space, self.discretisation, self.section)
         out += self._axes_warnings()
+        smoothed = what_they_smooth(self.structure) if self.discretisation.name == "argyris" else ""
+        if smoothed:
+            out.append(
+                f"{smoothed}, which Argyris functions on a chart smooth out: forces and moments there are wrong by up "
+                'to the jump, and refinement does not help; take element = "koiter", or "auto"'
+            )
         still = not np.any(self.load) and self.loads.initial is None
         if still and not np.any(self.reduction.given):
             out.append("there is no load and no prescribed motion: the deflection is zero")

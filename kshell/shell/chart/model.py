@@ -8,12 +8,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from kshell.errors import InputError
-from kshell.mesh.words import place
-from kshell.scene.lines import shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.chart.discretisation import ArgyrisDiscretisation
 from kshell.shell.chart.matrices import chart_foundation
-from kshell.shell.limits import JUMP_INSIDE, USE_KOITER
+from kshell.shell.limits import USE_KOITER
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.supports import hinge_edges
@@ -44,19 +42,6 @@ class ChartModel(ShellModel):
             )
         discretisation = ArgyrisDiscretisation(structure.parameters, structure.chart)
         super().__init__(ShellProblem(structure, discretisation), 5, reasons)
-
-    def warnings(self) -> list[str]:
-        out = super().warnings()
-        lines = shell_lines(self.structure)
-        if lines.any():
-            space = self.structure.space
-            at = space.points[space.edges[np.argmax(lines)]].mean(axis=0)
-            out.append(
-                f"derivatives of the displacement {JUMP_INSIDE}, for example at {place(at)}, which Argyris "
-                "functions on a chart smooth out: stresses there are wrong by up to the jump and refinement does not "
-                f"help: {USE_KOITER}"
-            )
-        return out
 
     def full_mass(self) -> sp.csr_matrix:
         problem, surface = self.problem, self.problem.discretisation.surface
