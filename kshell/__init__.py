@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from kshell.errors import InputError, KshellError, KshellWarning, SolveError
+from kshell.version import __version__
 
 if TYPE_CHECKING:
     from kshell.analysis.solve import solve, trace
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
     )
     from kshell.scene.scene import Scene
     from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
-
-__version__ = "0.1.0"
 
 __all__ = [
     "Anisotropic",

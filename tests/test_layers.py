@@ -1,6 +1,7 @@
 """The arrows between the files of kshell, beside the contracts between its rooms in pyproject.toml."""
 
 import ast
+import re
 import subprocess
 import sys
 from graphlib import CycleError, TopologicalSorter
@@ -74,3 +75,11 @@ def test_nothing_heavy_is_imported_before_it_is_needed(program: str) -> None:
 
 def test_few_files_lie_outside_of_the_rooms() -> None:
     assert len([path for path in (ROOT / "kshell").iterdir() if path.is_file()]) <= 8
+
+
+def test_architecture_names_what_is_there() -> None:
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`((?:kshell|tests|verification)/[^`]*)`", text))
+    assert [path for path in sorted(named) if not (ROOT / path).exists()] == []
+    rooms = {path.parent.name for path in (ROOT / "kshell").glob("*/__init__.py")}
+    assert rooms == {path.split("/")[1] for path in named if re.fullmatch(r"kshell/[a-z]+/", path)}

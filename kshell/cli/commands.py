@@ -67,7 +67,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of erro
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from kshell import __version__
+        from kshell.version import __version__
 
         typer.echo(f"kshell {__version__}")
         raise typer.Exit

@@ -24,6 +24,7 @@ from kshell.result import doors
 from kshell.result.deferred import Deferred
 from kshell.result.saving import save
 from kshell.values.naming import listing, suggestion
+from kshell.version import __version__
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -157,8 +158,6 @@ class Result:
         SolveError
             If a value is NaN or infinite; the message says which.
         """
-        from kshell import __version__
-
         document = {
             "kshell": __version__,
             "title": self.title,
