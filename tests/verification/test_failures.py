@@ -21,6 +21,7 @@ from verification.failures.thin_triangles import caps, needles
 from verification.peers import scikit_fem
 
 mpl.use("Agg")
+pytestmark = pytest.mark.full  # the whole gallery is measured
 
 
 @pytest.fixture

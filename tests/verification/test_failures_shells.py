@@ -18,6 +18,8 @@ from verification.failures.bending_energy import HINGES, hinge_energy
 from verification.failures.hinges import limits
 from verification.failures.locking import hypar_mesh
 
+pytestmark = pytest.mark.full  # the whole gallery is measured
+
 
 @pytest.fixture
 def numbers():

@@ -47,6 +47,7 @@ def test_the_notebook_belongs_to_its_script_and_kept_its_outputs(name):
     assert sum("image/png" in output.get("data", {}) for output in outputs) >= PICTURES[name]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", PICTURES)
 def test_every_cell_runs_in_the_quick_setting(name, monkeypatch, capsys):
     import matplotlib.pyplot as plt

@@ -80,6 +80,7 @@ def test_the_bare_shell_is_the_shell(element):
     assert full["w"] == pytest.approx(comparison.references["w"].value, rel=3e-2)
 
 
+@pytest.mark.full
 def test_a_driver_does_its_job_and_a_missing_program_is_named(tmp_path, monkeypatch):
     square = COMPARISONS["square"]
     small = replace(square, plan={"scikit-fem Argyris": (4, 8), "scikit-fem Morley": (4,)})
@@ -96,6 +97,7 @@ def test_a_driver_does_its_job_and_a_missing_program_is_named(tmp_path, monkeypa
     assert (row["version"], row["unknowns"]) == ("not installed", 0)
 
 
+@pytest.mark.full
 def test_a_driver_that_fails_leaves_its_words_and_those_behind_it_are_measured(tmp_path, monkeypatch):
     broken = replace(METHODS["scikit-fem Morley"], element="an element it does not have")
     monkeypatch.setitem(METHODS, broken.id, broken)
@@ -153,6 +155,7 @@ def test_the_committed_benchmark_of_shells_has_its_summary():
     assert {row["problem"] for row in rows} == {one.id for one in shells.SHELLS}
 
 
+@pytest.mark.full
 def test_the_command_measures_one_problem(tmp_path, monkeypatch):
     import verification.work_precision.__main__ as command
 
