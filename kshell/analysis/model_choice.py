@@ -26,6 +26,10 @@ from kshell.solvers.memory import SHARE, available_bytes
 # up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
 ARGYRIS_UP_TO = 100_000
 ORDERS = {"morley": 2, "argyris": 5}
+# order of HHJ plates up to so many triangles: few elements of a high order cost least where the deflection is smooth,
+# meshes of many are graded toward what is not
+HHJ_ORDERS = ((6, 200.0), (5, 2000.0), (4, 20000.0), (3, np.inf))
+LARGEST_KOITER = 3
 # peak memory of a solve with cubics, in bytes per triangle, measured at 5,000 and 10,000 triangles with a reserve
 CUBICS_BYTES = 180e3
 
@@ -38,7 +42,7 @@ class ModelChoice:
     ----------
     kind : "plate" or "shell"
     element : str
-        Of a shell "koiter" or "argyris"; of a plate "argyris" or "morley".
+        Of a shell "koiter" or "argyris"; of a plate "argyris", "morley" or "hhj".
     order : int
         Polynomial degree.
     reasons : tuple of str
@@ -86,6 +90,15 @@ def choose_model(structure: Structure, options: SolveOptions) -> ModelChoice:
 def _plate(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:
     """The element asked for, or the one that suits the size of the mesh."""
     n, element = len(structure.space.triangles), options.element
+    if element in ("hhj", "koiter") or options.order != "auto":
+        reason = "element hhj: " + ("as asked for" if element != "auto" else "it has that order")
+        if options.order != "auto":
+            order, which = int(options.order), f"order {options.order}: as asked for"
+        else:
+            order, limit = next(pair for pair in HHJ_ORDERS if n <= pair[1])
+            which = f"order {order}: up to {limit} triangles" if np.isfinite(limit) else f"order {order}"
+            which += ", few elements of a high order"
+        return ModelChoice("plate", "hhj", order, (why, reason, which))
     if element != "auto":
         reason = f"element {element}: as asked for"
     elif n <= ARGYRIS_UP_TO:
@@ -101,20 +114,14 @@ def _plate(structure: Structure, options: SolveOptions, why: str) -> ModelChoice
 
 
 def _require_sense(structure: Structure, options: SolveOptions) -> None:
-    if options.element == "morley" and options.model == "shell":
+    if options.element in ("morley", "hhj") and options.model == "shell":
         raise InputError(
-            'element = "morley" is for plates: a shell takes "koiter", on a chart also "argyris"'
+            f'element = "{options.element}" is for plates: a shell takes "koiter", on a chart also "argyris"'
         )
-    if options.element == "koiter" and options.model == "plate":
-        raise InputError('element = "koiter" belongs to model = "shell": leave the model out')
     if options.order != "auto" and options.element in ("morley", "argyris"):
         raise InputError(
-            f'order = {options.order} is for element = "koiter": "{options.element}" has one order only, leave '
-            "order out"
-        )
-    if options.order != "auto" and options.model == "plate":
-        raise InputError(
-            'order is for element = "koiter", which belongs to model = "shell": leave one of them out'
+            f'order = {options.order} is for element = "koiter" or "hhj": "{options.element}" has one order only, '
+            "leave order out"
         )
     if options.large_asked:
         _require_large(options)
@@ -133,7 +140,7 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
             f"{followers[0]}: follower = true turns the pressure with the surface, which matters only under large "
             "deflections; leave it out for small ones"
         )
-    if structure.chart is not None and (options.model == "plate" or options.element == "morley"):
+    if structure.chart is not None and (options.model == "plate" or options.element in ("morley", "hhj")):
         raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
 
 
@@ -152,8 +159,8 @@ def _require_large(options: SolveOptions) -> None:
         raise InputError('analysis = "path" follows large deflections: leave large_deflection = false out')
     if options.model == "plate":
         raise InputError(f'{what} is for shells, flat ones too: leave model = "plate" out')
-    if options.element == "morley":
-        raise InputError(f'{what} is for shells: leave element = "morley" out, or take "koiter"')
+    if options.element in ("morley", "hhj"):
+        raise InputError(f'{what} is for shells: leave element = "{options.element}" out, or take "koiter"')
 
 
 def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate", "shell"], str]:
@@ -163,9 +170,13 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
     if chart is not None:
         return "shell", f"kind shell: the mesh lies in the parameter plane of {chart!r}"
     flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
+    if options.element == "hhj":
+        return "plate", "kind plate: element hhj was asked for"
     if options.element == "koiter" or options.order != "auto":
         return "shell", "kind shell: the Koiter element was asked for"
-    if options.element == "morley" or (options.element == "argyris" and flat and not options.large_asked):
+    if options.element in ("morley", "hhj") or (
+        options.element == "argyris" and flat and not options.large_asked
+    ):
         return "plate", f"kind plate: element {options.element} was asked for"
     if not flat:
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
@@ -240,6 +251,11 @@ def _size_on_chart(structure: Structure) -> float:
 
 def _order(structure: Structure, options: SolveOptions) -> tuple[int, str]:
     if options.order != "auto":
+        if options.order > LARGEST_KOITER:
+            raise InputError(
+                f"order = {options.order}: the Koiter element of shells has orders up to {LARGEST_KOITER}; higher ones "
+                'are those of plates, element = "hhj"'
+            )
         return options.order, f"order {options.order}: as asked for"
     mesh = structure.parameters
     if mesh.curving is not None and mesh.curving.order < 3:

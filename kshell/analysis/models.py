@@ -32,6 +32,10 @@ def build_model(structure: Structure, options: SolveOptions) -> Model:
 def model_as(structure: Structure, choice: ModelChoice) -> Model:
     """The model of a choice, of the shape as drawn; solves nothing."""
     if choice.kind == "plate":
+        if choice.element == "hhj":
+            from kshell.plate.hhj.model import HHJModel
+
+            return HHJModel(structure, choice.order, choice.reasons)
         from kshell.plate.model import PlateModel
 
         return PlateModel(structure, choice.element, choice.reasons)

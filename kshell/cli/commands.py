@@ -131,7 +131,7 @@ def solve(
     element: Annotated[
         str | None, typer.Option(metavar="auto|morley|argyris|koiter", help="Which element.")
     ] = None,
-    order: Annotated[str | None, typer.Option(metavar="auto|1|2|3", help="Of the koiter element.")] = None,
+    order: Annotated[str | None, typer.Option(metavar="auto|1..8", help="Of koiter and hhj.")] = None,
     solver: Annotated[
         str | None, typer.Option(metavar="auto|direct|multigrid", help="How the linear system is solved.")
     ] = None,

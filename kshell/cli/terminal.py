@@ -67,7 +67,7 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
     console.print(f"[bold]{_escaped(result.title or 'kshell')}[/bold]")
     mesh = result.mesh
     shell = result.model["kind"] == "shell"
-    order = f" of order {result.model['order']}" if result.model["element"] == "koiter" else ""
+    order = f" of order {result.model['order']}" if result.model["element"] in ("koiter", "hhj") else ""
     console.print(
         f"{result.model['kind']}, element {result.model['element']}{order}: {len(mesh.points)} vertices, "
         f"{len(mesh.triangles)} triangles, {result.unknowns} unknowns"

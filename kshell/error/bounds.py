@@ -33,6 +33,7 @@ from kshell.error.premises import require_pair, why_not
 from kshell.plate.assembly import assemble_load
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.geometry import Triangles
+from kshell.plate.hhj.numbering import Held
 from kshell.plate.hhj.system import HHJSystem, Load
 from kshell.plate.loading import LOAD_DEGREE
 from kshell.plate.problem import PlateProblem
@@ -125,7 +126,7 @@ class PlatePair:
         row = self.row(goal)
         load = np.asarray(conforming.reduction.T @ row)
         q = conforming.solve(load)
-        solution = self.system.solve(self._dual_load(goal), given=False)
+        solution = self.system.solve(self._dual_load(goal), Held())
         equilibrated = Equilibrated(self.system, solution, [], self.springs)
         d = conforming.full(q, prescribed=False)
         difference = Difference(conforming, d, equilibrated, self.degree, goal.stress, initial=False)

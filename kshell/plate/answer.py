@@ -61,7 +61,7 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
     return Result(
         mesh=mesh,
         fields=vertex_fields(fields),
-        cell_fields=_cell_fields(problem.section, problem.domain, fields),
+        cell_fields=cell_fields(problem.section, problem.domain, fields),
         unknowns=problem.reduction.count,
         model={},
         title=problem.structure.title,
@@ -120,7 +120,8 @@ def vertex_fields(fields: Fields) -> Deferred[Floats]:
     )
 
 
-def _cell_fields(section: Section, domain: Domain, fields: Fields) -> Deferred[NDArray[Any]]:
+def cell_fields(section: Section, domain: Domain, fields: Fields) -> Deferred[NDArray[Any]]:
+    """Thickness of triangles and moments in their middles."""
     mesh = domain.mesh
 
     def thickness() -> Floats:

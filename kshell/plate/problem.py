@@ -126,9 +126,7 @@ class PlateProblem:
         """The same plate under its loads times factors, (load,), and its prescribed motion times one."""
         out = copy.copy(self)
         out.loads = self.loads.times(factors)
-        out.supports = replace(
-            self.supports, hold_loads=[load.times(motion) for load in self.supports.hold_loads]
-        )
+        out.supports = self.supports.times(motion)
         out.reduction = self.reduction.times(motion)
         loads = [*out.loads.forms, *out.supports.hold_loads]
         load, work = assemble_load(loads, self.domain, out.reduction)

@@ -13,7 +13,7 @@ order of the element on curved ones. The Morley element holds its vertex and mid
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -82,6 +82,13 @@ class HeldGroup:
     degree: int | None = 0
     rows: range = range(0)
 
+    def times(self, motion: float) -> HeldGroup:
+        """The same with the prescribed deflection times a number."""
+        value = self.value
+        if value is None:
+            return self
+        return replace(self, value=lambda xy: motion * value(xy))
+
 
 @dataclass
 class Supports:
@@ -108,6 +115,14 @@ class Supports:
     holds: list[tuple[str, CurvedHold]] = field(default_factory=list)
     hold_loads: list[HoldLoad] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+
+    def times(self, motion: float) -> Supports:
+        """The same with the prescribed deflections times a number; conditions keep theirs."""
+        return replace(
+            self,
+            held=[group.times(motion) for group in self.held],
+            hold_loads=[load.times(motion) for load in self.hold_loads],
+        )
 
 
 def apply_supports(

@@ -83,11 +83,12 @@ class SolveOptions:
         Deflection under the loads, or under loads that grow from zero with a factor, through limit points.
     model : "auto", "plate" or "shell"
         The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
-    element : "auto", "morley", "argyris" or "koiter"
+    element : "auto", "morley", "argyris", "hhj" or "koiter"
         Morley: quadratic plates, cheap. Argyris: of degree five, plates and charts, accurate where the solution
-        is smooth. Koiter: shells on any surface, and flat ones.
-    order : "auto", 1, 2 or 3
-        Of the Koiter element.
+        is smooth. HHJ: plates with straight edges, of any order, moments in equilibrium. Koiter: shells on any
+        surface, and flat ones; with model = "plate" the same as "hhj".
+    order : "auto", 1, 2, ... 8
+        Of the Koiter element, up to 3, and of HHJ plates.
     large_deflection : "auto", True or False
         "auto": small deflections first, large ones where they differ by more than `tolerance`.
     tolerance : float, optional
@@ -106,8 +107,8 @@ class SolveOptions:
 
     analysis: Literal["static", "path"] = "static"
     model: Literal["auto", "plate", "shell"] = "auto"
-    element: Literal["auto", "morley", "argyris", "koiter"] = "auto"
-    order: Literal["auto", 1, 2, 3] = "auto"
+    element: Literal["auto", "morley", "argyris", "hhj", "koiter"] = "auto"
+    order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8] = "auto"
     large_deflection: Annotated[Any, BeforeValidator(_large)] = "auto"
     tolerance: Annotated[Any, BeforeValidator(_tolerance)] = None
     solver: Literal["auto", "direct", "multigrid"] = "auto"

@@ -37,6 +37,8 @@ class Triangles:
 
     Attributes
     ----------
+    order : (T, 3) int array
+        The place in the mesh's own triangle of each of the sorted vertices.
     corners : (T, 3) int array
         Vertices in ascending order.
     edges : (T, 3) int array
@@ -49,7 +51,7 @@ class Triangles:
 
     def __init__(self, mesh: Mesh) -> None:
         self.mesh = mesh
-        order = np.argsort(mesh.triangles, axis=1)
+        order = self.order = np.argsort(mesh.triangles, axis=1)
         self.corners: Ints = np.take_along_axis(mesh.triangles, order, axis=1).astype(np.int64)
         own = FACING[3 - order[:, EDGE_VERTICES].sum(axis=2)]  # the mesh's local edge at each place here
         self.edges: Ints = np.take_along_axis(mesh.triangle_edges, own, axis=1).astype(np.int64)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,12 @@ class Held:
     edges: Ints = field(default_factory=lambda: NONE)
     slopes: Ints = field(default_factory=lambda: NONE)
     values: tuple[Floats, Floats] | None = None
+
+    def times(self, motion: float) -> Held:
+        """The same with the prescribed values times a number."""
+        if self.values is None:
+            return self
+        return replace(self, values=(motion * self.values[0], motion * self.values[1]))
 
 
 class Numbering:
@@ -86,8 +92,8 @@ class Numbering:
         return out[:-1]
 
     def scatter(self, free: Floats) -> Floats:
-        """(count,) all unknowns of free ones, zero where held."""
-        return np.append(free, 0.0)[self.number]
+        """(count,) or (count, n) all unknowns of free ones, zero where held."""
+        return np.concatenate([free, np.zeros((1, *free.shape[1:]))])[self.number]
 
 
 def edge_coefficients(values: Floats, ends: Floats, order: int) -> Floats:

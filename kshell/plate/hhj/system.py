@@ -195,10 +195,60 @@ class HHJSystem:
         """A load of zero, to be added to."""
         return Load(np.zeros((len(self.triangles), self.tables.count)), np.zeros(self.numbering.vertices))
 
-    def solve(self, load: Load, given: bool = True) -> HHJSolution:
-        """The solution under a load, refined to rounding; ``given``: with the prescribed deflections, or at rest."""
+    def matrix(self) -> Any:
+        """Stiffness on the free unknowns, CSR."""
+        return _sparse(self.numbering, self._eliminate())
+
+    def condensed(self, load: Load) -> Floats:
+        """(free,) the load on the free unknowns, what acts inside triangles carried to their edges."""
+        o = self.tables.outer
+        local = load.local if load.initial is None else load.local + self.forces(load.initial)
+        out = self.numbering.gather(local[:, :o] - (local[:, None, o:] @ self.back)[:, 0])
+        at_vertices = load.vertices[self.numbering.free[: self.numbering.vertices]]
+        out[: len(at_vertices)] += at_vertices
+        return out
+
+    def product(self, free: Floats) -> Floats:
+        """Stiffness times free unknowns, through strains."""
+        return self.product_of(self.numbering.scatter(free))
+
+    def product_of(self, unknowns: Floats | None) -> Floats:
+        """(free,) stiffness times all unknowns (count,), through strains; None is zero."""
+        if unknowns is None:
+            return np.zeros(self.count)
+        u = self._local(unknowns)
+        force = self.forces(self.strains(u))
+        for spring in self.springs:
+            np.add.at(force, spring.triangles, spring.forces(u))
+        o = self.tables.outer
+        return self.numbering.gather(force[:, :o] - (force[:, None, o:] @ self.back)[:, 0])
+
+    def _local(self, unknowns: Floats) -> Floats:
+        """(T, m) local unknowns of all unknowns, those inside triangles free of forces."""
+        outer = unknowns[self.numbering.outer]
+        return np.concatenate([outer, -(self.back @ outer[..., None])[..., 0]], axis=1)
+
+    def motion(self, unknowns: Floats) -> HHJSolution:
+        """A motion (count,) by itself, without loads."""
+        u = self._local(unknowns)
+        strains = self.strains(u)
+        moments = strains.swapaxes(1, 2) @ self.factor / self.root[:, None, None]
+        return HHJSolution(unknowns, u, strains, moments, self.no_load(), 0.0)
+
+    def energy(self, solution: HHJSolution) -> float:
+        """Strain energy of a solution, of its springs too."""
+        total = float((solution.strains**2).sum())
+        for spring in self.springs:
+            total += float(((spring.rows @ solution.local[spring.triangles][..., None]) ** 2).sum())
+        return 0.5 * total
+
+    def solve(self, load: Load, held: Held | None = None) -> HHJSolution:
+        """The solution under a load, refined to rounding.
+
+        ``held`` has other prescribed values than those of the system; `Held()` prescribes none.
+        """
         o, numbering = self.tables.outer, self.numbering
-        prescribed = numbering.given(self.held) if given else None
+        prescribed = numbering.given(self.held if held is None else held)
         d = np.zeros(numbering.count) if prescribed is None else prescribed
         u = np.zeros((len(self.triangles), self.tables.count))
         if prescribed is not None:
@@ -258,19 +308,24 @@ def _factorise(numbering: Numbering, outer: Floats, method: str) -> tuple[Solve,
         solve = _dense(n, at, outer)
         if solve is not None:
             return solve, "Cholesky (LAPACK)"
-    import scipy.sparse as sp
-
     from kshell.solvers.auto import choose
     from kshell.solvers.direct import Factorisation
 
-    o = outer.shape[1]
-    row, column = np.repeat(at, o, axis=1).ravel(), np.tile(at, (1, o)).ravel()
-    keep = (row < n) & (column < n)
-    matrix = sp.coo_matrix((outer.ravel()[keep], (row[keep], column[keep])), shape=(n, n)).tocsr()
+    matrix = _sparse(numbering, outer)
     choice = choose(matrix, None, method)
     assert choice.backend is not None  # multigrid is for other elements
     factor = Factorisation(matrix, choice.backend, choice.why)
     return factor.apply, factor.name
+
+
+def _sparse(numbering: Numbering, outer: Floats) -> Any:
+    """Sum of the element matrices as CSR."""
+    import scipy.sparse as sp
+
+    n, at, o = numbering.free_count, numbering.local_number, outer.shape[1]
+    row, column = np.repeat(at, o, axis=1).ravel(), np.tile(at, (1, o)).ravel()
+    keep = (row < n) & (column < n)
+    return sp.coo_matrix((outer.ravel()[keep], (row[keep], column[keep])), shape=(n, n)).tocsr()
 
 
 def _dense(n: int, at: Ints, outer: Floats) -> Solve | None:

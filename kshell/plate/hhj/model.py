@@ -1,0 +1,184 @@
+"""The plate with this element as analyses need it."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import ClassVar, Literal
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.elements.morley import ElementMorley
+from kshell.equilibrium.model import Model, Solved
+from kshell.errors import InputError, SolveError
+from kshell.mesh.words import place
+from kshell.plate.answer import UNBALANCED, cell_fields, vertex_fields
+from kshell.plate.curves import edge_curves
+from kshell.plate.hhj import translate
+from kshell.plate.hhj.geometry import Triangles
+from kshell.plate.hhj.recovery import HHJFields, reactions
+from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.loads import Loads
+from kshell.plate.problem import PlateProblem
+from kshell.result.deferred import Deferred
+from kshell.result.probing import probe_values
+from kshell.result.result import Result, no_error_estimate
+from kshell.scene.structure import Structure
+
+Floats = NDArray[np.float64]
+
+
+class HHJModel(Model):
+    """A Kirchhoff plate with straight edges; x are w at vertices, bubbles of w and slopes of the edges.
+
+    Parameters
+    ----------
+    structure : Structure
+        Its mesh in a plane of constant z.
+    order : int
+    reasons : sequence of str
+        Why this model.
+
+    Raises
+    ------
+    InputError
+        If a support, load, material or thickness does not fit, an edge is curved, or the plate is not held.
+    """
+
+    kind: ClassVar[Literal["plate", "shell"]] = "plate"
+    element = "hhj"
+
+    def __init__(self, structure: Structure, order: int, reasons: Sequence[str] = ()) -> None:
+        self.structure, self.order, self.reasons = structure, order, list(reasons)
+        self.problem = PlateProblem(
+            structure, ElementMorley()
+        )  # reads the scene's words, and is never assembled
+        mesh = self.problem.mesh
+        curves = edge_curves(mesh, mesh.boundary_edges)
+        if curves.curved.any():
+            bent = curves.edges[int(np.abs(curves.shape).max(axis=(1, 2)).argmax())]
+            raise InputError(
+                f"the boundary is curved near {place(mesh.points[mesh.edges[bent]].mean(axis=0))}: the element hhj "
+                "takes straight edges only, and on chords a supported edge would be clamped in the limit; use "
+                'element = "argyris"'
+            )
+        if not structure.section.constant_per_triangle:
+            raise InputError(
+                "the thickness varies inside triangles: the element hhj takes one thickness per group; use "
+                'element = "argyris"'
+            )
+        self.triangles = Triangles(mesh)
+        self.loads: Loads = self.problem.loads
+        self._systems: dict[str, HHJSystem] = {}
+        self._held = translate.held(self.triangles, order, self.problem.supports)
+
+    def system(self, solver: str = "auto") -> HHJSystem:
+        """The factorised system, made once for each solver.
+
+        Raises
+        ------
+        SolveError
+            If it is singular.
+        """
+        if solver == "multigrid":
+            raise InputError('solver = "multigrid" is for Morley and Argyris plates: leave it out')
+        method = "direct" if solver == "auto" else solver
+        if method not in self._systems:
+            springs = translate.springs(self.triangles, self.order, self.problem.supports)
+            stiffness = translate.bending_stiffness(self.structure.section)
+            self._systems[method] = HHJSystem(
+                self.triangles, self.order, stiffness, self._held, springs, method
+            )
+        return self._systems[method]
+
+    @property
+    def unknowns(self) -> int:
+        return self.system().count
+
+    def warnings(self) -> list[str]:
+        return self.problem.warnings()
+
+    def stiffness(self) -> sp.csr_matrix:
+        return self.system().matrix()
+
+    def product(self) -> Callable[[Floats], Floats]:
+        return self.system().product
+
+    def load_vectors(self) -> Floats:
+        system = self.system()
+        vectors = [
+            system.condensed(translate.load(system, self.loads.of(number)))
+            for number in range(len(self.structure.loads))
+        ]
+        return np.array(vectors).reshape(len(vectors), self.unknowns)
+
+    def motion_vector(self) -> Floats:
+        system = self.system()
+        return -system.product_of(system.numbering.given(self._held))
+
+    def expand(self, q: Floats) -> Floats:
+        return self.system().numbering.scatter(q)
+
+    def under(self, factors: Sequence[float], motion: float = 1.0) -> HHJModel:
+        out = copy.copy(self)
+        out.loads = self.loads.times(factors)
+        out._held = self._held.times(motion)
+        return out
+
+    def prepare(self) -> None:
+        self.system()
+
+    def solve(self, solver: str = "auto") -> Solved:
+        system = self.system(solver)
+        found = system.solve(translate.load(system, self.loads.forms), self._held)
+        if not np.isfinite(found.unknowns).all():
+            raise SolveError(
+                "the solution is not finite: check the magnitudes of stiffness and loads",
+                state=found.unknowns,
+            )
+        why = f"{system.count} unknowns, the rest eliminated triangle by triangle"
+        return Solved(found.unknowns, system.solver_name, why, len(found.corrections) - 1, found)
+
+    def recover(self, solved: Solved) -> Result:
+        found: HHJSolution = solved.own
+        system, problem, mesh = self.system(), self.problem, self.problem.mesh
+        fields = HHJFields(problem, self.loads, system, found)
+        forces = reactions(problem, self.loads, system, found)
+        warnings = self.warnings()
+        if forces.balance > UNBALANCED:
+            warnings.append(
+                f"loads and reactions differ by {forces.balance:.1e} of the larger: the solution has few correct "
+                "digits; look for very small or very thin triangles (`kshell check`)"
+            )
+
+        def evaluate(points: Floats) -> dict[str, Floats]:
+            values = fields.at(points)
+            values["distance"] = np.hypot(values["distance"], points[:, 2] - mesh.points[0, 2])
+            return values
+
+        probes, probe_warnings = probe_values(self.structure.probes, evaluate, mesh, "plate")
+        error = no_error_estimate()
+        error["budget"]["algebra"] = found.corrections[-1]
+        return Result(
+            mesh=mesh,
+            fields=vertex_fields(fields),
+            cell_fields=cell_fields(problem.section, problem.domain, fields),
+            unknowns=system.count,
+            model={},
+            title=self.structure.title,
+            frame="global x, y",
+            probes=probes,
+            reactions=forces.groups,
+            balance=forces.balance,
+            strain_energy=system.energy(found),
+            external_work=0.5 * found.work,
+            evaluate=fields.at,
+            error=error,
+            warnings=warnings + probe_warnings,
+        )
+
+    def motion_fields(self, x: Floats) -> Deferred[Floats]:
+        system = self.system()
+        return vertex_fields(HHJFields(self.problem, Loads(), system, system.motion(x)))

@@ -1,0 +1,156 @@
+"""Deflection, rotation, moments, shear forces and stresses of a solution, and the reactions of its supports.
+
+Moments M = -m are those of the element, in equilibrium with the loads; shear forces are their divergence. At
+vertices both are means over the triangles around, by area.
+"""
+
+from __future__ import annotations
+
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements.hierarchic import orthonormal_jets
+from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.loads import Loads
+from kshell.plate.problem import PlateProblem
+from kshell.plate.reactions import Reactions
+from kshell.plate.recovery import Fields
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class HHJFields(Fields):
+    """Everything that can be read off a solution.
+
+    Parameters
+    ----------
+    problem : PlateProblem
+        That the words of the scene were read for; its domain with straight edges.
+    system : HHJSystem
+    solution : HHJSolution
+    """
+
+    def __init__(self, problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution) -> None:
+        super().__init__(
+            problem.domain, problem.layout, problem.bending, problem.section, loads, solution.unknowns
+        )
+        self.system, self.solution = system, solution
+        self.polynomial_moments = True
+
+    def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
+        """w (order 0) or its gradient (1) at reference points of the mesh's triangles: (n, point, partial)."""
+        if order > 1:
+            raise ValueError("curvatures are those of the moments")
+        t = self.system.tables
+
+        def evaluate(chosen: Ints, own: Floats) -> Floats:
+            local = self.solution.local[chosen]
+            if order == 0:
+                return (t.inside(own) @ local[..., None])[..., 0][..., None]
+            reference = (t.gradients(own) @ local[:, None, :, None])[..., 0]
+            return reference @ self.system.triangles.inverse[chosen]
+
+        return self._on_sorted(triangles, xi, evaluate)
+
+    def moment(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
+        """M_xx, M_yy, M_xy (n, point, 3)."""
+
+        def evaluate(chosen: Ints, own: Floats) -> Floats:
+            return -(orthonormal_jets(self.system.order - 1, own)[0] @ self.solution.moments[chosen])
+
+        return self._on_sorted(triangles, xi, evaluate)
+
+    def shear(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
+        """Q_x, Q_y (n, point, 2), the divergence of the moments."""
+
+        def evaluate(chosen: Ints, own: Floats) -> Floats:
+            jets = orthonormal_jets(self.system.order - 1, own)
+            along = np.stack([jet @ self.solution.moments[chosen] for jet in jets[1:3]], axis=-1)
+            m = along @ self.system.triangles.inverse[chosen][:, None]  # (n, point, component, d/dx d/dy)
+            return -np.stack([m[..., 0, 0] + m[..., 2, 1], m[..., 2, 0] + m[..., 1, 1]], axis=-1)
+
+        return self._on_sorted(triangles, xi, evaluate)
+
+    def _on_sorted(self, triangles: Ints, xi: Floats, evaluate: Any) -> Floats:
+        """Values at points given in the mesh's own triangles, from a function of those with sorted vertices."""
+        order = self.system.triangles.order[triangles]
+        x, y = xi[..., 0], xi[..., 1]
+        weights = np.stack([1 - x - y, x, y], axis=-1)  # (..., point, vertex)
+        if xi.ndim == 3:
+            place = np.broadcast_to(order[:, None], weights.shape)
+            own = np.take_along_axis(weights, place, axis=2)
+            return np.asarray(evaluate(triangles, own[..., 1:]))
+        out: Floats | None = None
+        for permutation in permutations(range(3)):  # the same points in all triangles: six sets of them
+            here = np.flatnonzero((order == permutation).all(axis=1))
+            if not len(here):
+                continue
+            found = evaluate(triangles[here], weights[:, list(permutation)][:, 1:])
+            if out is None:
+                out = np.empty((len(triangles), *found.shape[1:]))
+            out[here] = found
+        assert out is not None  # a mesh has triangles
+        return out
+
+
+def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution) -> Reactions:
+    """Forces of the supports on the plate, by the work of what is left over on rigid motions."""
+    mesh, triangles, numbering = problem.mesh, system.triangles, system.numbering
+    points = mesh.points[:, :2]
+    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    size = float(np.abs(points - centre).max())
+    outer = system.tables.outer
+    left = system.forces(solution.strains) - solution.load.local
+    spring_forces = [spring.forces(solution.local) for spring in system.springs]
+    for spring, force in zip(system.springs, spring_forces, strict=True):
+        np.add.at(left, spring.triangles, force)
+    residual: Floats = np.bincount(numbering.outer.ravel(), left[:, :outer].ravel(), numbering.count).astype(
+        np.float64
+    )
+    residual[: numbering.vertices] -= solution.load.vertices
+
+    arms = points - centre
+    motions = np.stack([np.ones(len(points)), arms[:, 1], -arms[:, 0]], axis=1)  # (vertex, 3)
+    tangent = (points[mesh.edges[:, 1]] - points[mesh.edges[:, 0]]) / mesh.edge_lengths[:, None]
+    turns = np.stack([np.zeros(len(tangent)), -tangent[:, 0], -tangent[:, 1]], axis=1)  # n of w = y, -x
+    turns *= mesh.edge_lengths[:, None]
+    first = residual[numbering.slope_start :: system.order][: numbering.edges]
+
+    groups = problem.supports.held
+    corners = [np.unique(np.concatenate([g.points, mesh.edges[g.line].ravel()])) for g in groups]
+    share = np.zeros(len(points))
+    share_edges = np.zeros(len(mesh.edges))
+    for vertices, group in zip(corners, groups, strict=True):
+        share[vertices] += 1.0
+        share_edges[group.edges] += 1.0
+    totals: dict[str, Floats] = {}
+    for vertices, group in zip(corners, groups, strict=True):
+        force = (residual[vertices] / share[vertices]) @ motions[vertices]
+        force = force + (first[group.edges] / share_edges[group.edges]) @ turns[group.edges]
+        totals[group.label] = totals.get(group.label, np.zeros(3)) + force
+    for (label, _), spring, force in zip(
+        problem.supports.springs, system.springs, spring_forces, strict=True
+    ):
+        rigid = np.zeros((len(triangles), system.tables.count, 3))[spring.triangles]
+        rigid[:, :3] = motions[triangles.corners[spring.triangles]]
+        slopes = triangles.plane_slopes[spring.triangles] @ rigid[:, :3]
+        start = system.tables.slopes(0).start
+        rigid[:, start : start + 3 * system.order : system.order] = slopes
+        totals[label] = totals.get(label, np.zeros(3)) - (force[:, None] @ rigid)[:, 0].sum(axis=0)
+
+    scale = np.array([1.0, 1.0 / size, 1.0 / size])
+    parts = [load.resultant(centre) * scale for load in loads.forms]
+    parts += [total * scale for total in totals.values()]
+    balance = 0.0
+    if parts:
+        largest = max(float(np.abs(parts).max()), *(load.gross(size) for load in loads.forms), 1e-300)
+        balance = float(np.abs(np.sum(parts, axis=0)).max() / largest)
+    documents: dict[str, Any] = {}
+    for label, (force, mx, my) in totals.items():
+        moment = np.array([mx + centre[1] * force, my - centre[0] * force, 0.0])
+        documents[label] = {"force": np.array([0.0, 0.0, force]), "moment": moment}
+    return Reactions(documents, balance)
