@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements.hierarchic import orthonormal_jets
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
@@ -60,7 +59,7 @@ class HHJFields(Fields):
         """M_xx, M_yy, M_xy (n, point, 3)."""
 
         def evaluate(chosen: Ints, own: Floats) -> Floats:
-            return -(orthonormal_jets(self.system.order - 1, own)[0] @ self.solution.moments[chosen])
+            return -(self.system.tables.moment_functions(own) @ self.solution.moments[chosen])
 
         return self._on_sorted(triangles, xi, evaluate)
 
@@ -68,8 +67,9 @@ class HHJFields(Fields):
         """Q_x, Q_y (n, point, 2), the divergence of the moments."""
 
         def evaluate(chosen: Ints, own: Floats) -> Floats:
-            jets = orthonormal_jets(self.system.order - 1, own)
-            along = np.stack([jet @ self.solution.moments[chosen] for jet in jets[1:3]], axis=-1)
+            slopes = self.system.tables.moment_gradients(own)  # (..., point, 2, k)
+            coefficients = self.solution.moments[chosen][:, None]
+            along = (slopes @ coefficients).swapaxes(-1, -2)
             m = along @ self.system.triangles.inverse[chosen][:, None]  # (n, point, component, d/dx d/dy)
             return -np.stack([m[..., 0, 0] + m[..., 2, 1], m[..., 2, 0] + m[..., 1, 1]], axis=-1)
 

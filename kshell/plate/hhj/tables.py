@@ -19,7 +19,13 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements.hierarchic import hierarchic, hierarchic_jets, orthonormal, polynomial_count
+from kshell.elements.hierarchic import (
+    hierarchic,
+    hierarchic_jets,
+    orthonormal,
+    orthonormal_jets,
+    polynomial_count,
+)
 from kshell.elements.jets import legendre
 from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.elements.reference import VERTICES
@@ -40,6 +46,20 @@ def edge_points(edge: int, s: Floats) -> Floats:
 def edge_reference(place: Ints, s: Floats) -> Floats:
     """(n, point, 2) reference coordinates of points s of local edges (n,)."""
     return np.stack([edge_points(edge, s) for edge in range(3)])[place]
+
+
+@lru_cache(maxsize=16)
+def _degrees(degree: int) -> tuple[Ints, Ints]:
+    """Degrees in both directions of the products of total degree up to a degree."""
+    i, j = np.meshgrid(np.arange(degree + 1), np.arange(degree + 1), indexing="ij")
+    keep = i + j <= degree
+    return i[keep], j[keep]
+
+
+def products(degree: int, xi: Floats) -> Floats:
+    """Products of Legendre polynomials of 2 xi - 1, of total degree up to a degree, at points (..., 2)."""
+    i, j = _degrees(degree)
+    return legendre(degree, xi[..., 0])[..., i] * legendre(degree, xi[..., 1])[..., j]
 
 
 @dataclass(frozen=True)
@@ -112,15 +132,36 @@ class Tables:
 
     def inside(self, xi: Floats) -> Floats:
         """w at reference points (..., 2): (..., m)."""
-        out = np.zeros((*xi.shape[:-1], self.count))
-        out[..., self.deflection] = hierarchic(self.order, xi)
-        return out
+        return products(self.order, xi) @ self._expanded[0][0]
 
     def gradients(self, xi: Floats) -> Floats:
         """Reference gradient of w at reference points (..., 2): (..., 2, m)."""
-        out = np.zeros((*xi.shape[:-1], 2, self.count))
-        out[..., self.deflection] = np.moveaxis(hierarchic_jets(self.order, xi)[1:3], 0, -2)
-        return out
+        return np.stack([products(self.order, xi) @ table for table in self._expanded[0][1:]], axis=-2)
+
+    def moment_functions(self, xi: Floats) -> Floats:
+        """psi at reference points (..., 2): (..., k)."""
+        return products(self.order, xi) @ self._expanded[1][0]
+
+    def moment_gradients(self, xi: Floats) -> Floats:
+        """Reference gradient of psi at reference points (..., 2): (..., 2, k)."""
+        return np.stack([products(self.order, xi) @ table for table in self._expanded[1][1:]], axis=-2)
+
+    @cached_property
+    def _expanded(self) -> tuple[Floats, Floats]:
+        """(3, product, m) and (3, product, k): w, psi and their derivatives in products of Legendre polynomials.
+
+        For reading off solutions, where a recurrence at every point takes longer than the rest. The projection is over
+        the square, where the functions are up to 1e4 times (order 8) as large as in the triangle: it keeps 12 digits.
+        """
+        s, ws = interval_rule(self.order + 1)
+        x, y = np.meshgrid(s, s, indexing="ij")
+        points = np.stack([x, y], axis=-1).reshape(-1, 2)
+        i, j = _degrees(self.order)
+        norm = (2 * i + 1) * (2 * j + 1)
+        test = products(self.order, points) * norm * np.outer(ws, ws).reshape(-1, 1)
+        w = np.zeros((3, len(points), self.count))
+        w[..., self.deflection] = hierarchic_jets(self.order, points)[:3]
+        return test.T @ w, test.T @ orthonormal_jets(self.order - 1, points)[:3]
 
 
 @lru_cache(maxsize=LARGEST_ORDER)
