@@ -16,6 +16,7 @@ from kshell.errors import InputError
 from kshell.material.laminate import NEGLIGIBLE_COUPLING
 from kshell.mesh.check import is_flat
 from kshell.mesh.facets import facets
+from kshell.mesh.facing import top_words
 from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Structure
@@ -84,7 +85,8 @@ def choose_model(structure: Structure, options: SolveOptions) -> ModelChoice:
     )
     mesh = structure.parameters
     shape = () if mesh.curving is None else (f"shape: {mesh.curving.reason}",)
-    return ModelChoice("shell", "koiter", order, (why, f"element koiter: {asked}", reason, *shape))
+    top = tuple(f"top: {words}" for words in top_words(structure.space))
+    return ModelChoice("shell", "koiter", order, (why, f"element koiter: {asked}", reason, *shape, *top))
 
 
 def _plate(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:

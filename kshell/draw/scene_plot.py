@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from kshell.draw.canvas import draw_edges, new_figure
 from kshell.mesh import Mesh, Selection, select
+from kshell.mesh.check import is_flat
+from kshell.mesh.facing import top_words
 from kshell.scene.loads import Load
 from kshell.scene.places import on_words
 from kshell.scene.supports import Support
@@ -62,6 +64,9 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
         for load in scene.loads:
             _draw_load(axes, mesh, load)
         _draw_material_axes(axes, mesh, scene)
+        if not is_flat(mesh.points):
+            for words in top_words(mesh):
+                axes.plot([], [], linestyle="", marker="", label=words)
         for number, (name, point) in enumerate(scene.probes.items()):
             axes.plot(*point[:2], marker="+", color="black", markersize=9, markeredgewidth=1.5, linestyle="")
             axes.annotate(

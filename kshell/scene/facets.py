@@ -1,4 +1,4 @@
-"""Where mesh and thickness meet: flat triangles of a curved shell are curved, if their vertices are good enough."""
+"""The mesh as a scene wants it: its top on the side asked for, flat triangles of curved shells curved."""
 
 from __future__ import annotations
 
@@ -13,6 +13,31 @@ from kshell.mesh.mesh import Mesh
 
 if TYPE_CHECKING:
     from kshell.scene.scene import Scene
+
+
+def turned(scene: Scene, mesh: Mesh) -> Mesh:
+    """The mesh of a scene with its top where the key `top_towards` wants it.
+
+    Raises
+    ------
+    InputError
+        If a chart or the plane says already where the top is, or a sheet faces neither way.
+    """
+    if scene.top_towards is None:
+        return mesh
+    if scene.chart is not None or is_flat(mesh.points):
+        why = (
+            "the chart"
+            if scene.chart is not None
+            else "a flat mesh in a plane z = const, whose top is at +z,"
+        )
+        raise InputError(
+            f"scene: top_towards is for shells in space, but {why} says where the top is: leave it out"
+        )
+    from kshell.mesh.facing import towards
+
+    given = scene.top_towards
+    return towards(mesh, point=given["point"]) if isinstance(given, dict) else towards(mesh, given)
 
 
 def curved(scene: Scene, mesh: Mesh) -> Mesh:

@@ -74,6 +74,15 @@ def _chart(value: Any) -> Any:
     return value
 
 
+def _top_towards(value: Any) -> Any:
+    """None, a direction, or a dict with the key point."""
+    if isinstance(value, Mapping):
+        if set(value) != {"point"}:
+            raise ValueError("must be a direction [x, y, z] or {point = [x, y, z]}")
+        return {"point": as_point(value["point"])}
+    return _direction(value)
+
+
 def _direction(value: Any) -> Any:
     if value is None:
         return None
@@ -132,6 +141,8 @@ class Scene:
         where the error of these nodes is small against the thickness.
     crease : float
         Angle in degrees from which neighbours meet in a fold that stays one.
+    top_towards : (x, y, z) or {"point": (x, y, z)}, optional
+        Direction in which the top of every sheet looks, or a point from which it is seen; shells in space only.
     geometry : path, optional
         .geo, .step, .brep or .iges from which a mesh of order 1 was made: its mid-edge nodes are put on the curves
         and surfaces there, which makes it one of order 2.
@@ -160,6 +171,7 @@ class Scene:
     mesh_order: Literal["auto", 1, 2] = "auto"
     facets: Literal["auto", "flat", "curved"] = "auto"
     crease: Number = 30.0
+    top_towards: Annotated[Any, BeforeValidator(_top_towards)] = None
     geometry: Annotated[Any, BeforeValidator(_geometry)] = None
     title: str = ""
     solve: Any = field(default_factory=SolveOptions)
@@ -233,10 +245,10 @@ class Scene:
             If it cannot be read or used.
         """
         from kshell.mesh import read_mesh
-        from kshell.scene.facets import curved
+        from kshell.scene.facets import curved, turned
 
         mesh = read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry, allow_system)
-        return curved(self, mesh)
+        return curved(self, turned(self, mesh))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:

@@ -20,7 +20,17 @@ from kshell.values.naming import listing, suggestion
 from kshell.values.validation import unknown_key
 
 # key of the file: argument of Scene
-SIMPLE_KEYS = ("title", "mesh_size", "mesh_order", "facets", "crease", "thickness", "offset", "direction")
+SIMPLE_KEYS = (
+    "title",
+    "mesh_size",
+    "mesh_order",
+    "facets",
+    "crease",
+    "top_towards",
+    "thickness",
+    "offset",
+    "direction",
+)
 KEYS = [
     "title",
     "mesh",
