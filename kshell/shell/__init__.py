@@ -9,7 +9,8 @@ nothing of the other. What they share lies here. The kernel, arrays in and array
 reference.py, vectors.py, frames.py   tables of the reference triangle; vectors and tensors on the surface
 kinematics.py, resultants.py          changes of curvature; forces and moments, rotations
 section.py, initial.py, evaluate.py   A, B, D of the cross-section; states without stress; values of places
-planes.py, limits.py                  planes of supported edges; where Argyris is not to be taken
+planes.py, turning.py, limits.py      planes and rotations of supports; where Argyris is not to be taken
+scatter.py                            blocks summed into a matrix
 
 and around it, from a resolved scene to a result:
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from kshell.equilibrium.reduction import Reduction
+from kshell.equilibrium.rigid_modes import direction_words
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.unjoined import vertex_parts
@@ -111,21 +112,12 @@ def _along_axes(motions: Floats, directions: Floats) -> Floats:
 def _motion(motion: Floats, centre: Floats, size: float) -> str:
     shift, turn = motion[:3], motion[3:] / size
     if np.linalg.norm(turn) * size < ROUND * np.linalg.norm(shift):
-        return f"move along {_direction(shift)}"
+        return f"move along {direction_words(shift)}"
     axis = turn / np.linalg.norm(turn)
     # u = shift + turn x (x - centre) vanishes, but for a part along the axis, on the line through this point
     point = centre + np.cross(turn, shift) / (turn @ turn)
-    words = f"turn about the axis through {place(np.round(point, 12))} along {_direction(axis)}"
+    words = f"turn about the axis through {place(np.round(point, 12))} along {direction_words(axis)}"
     along = float(shift @ axis)
     if abs(along) > ROUND * max(np.linalg.norm(shift), np.linalg.norm(turn) * size):
         words += f" while it moves along it by {along / np.linalg.norm(turn):.4g} per radian"
     return words
-
-
-def _direction(vector: Floats) -> str:
-    unit = vector / np.linalg.norm(vector)
-    axis = int(np.argmax(np.abs(unit)))
-    if abs(unit[axis]) > 1 - ROUND:
-        return "xyz"[axis]
-    unit = unit * np.sign(unit[axis])
-    return "(" + ", ".join(f"{c + 0.0:.3g}" for c in np.where(np.abs(unit) < ROUND, 0.0, unit)) + ")"

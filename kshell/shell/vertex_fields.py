@@ -91,14 +91,7 @@ class VertexFields:
         return out, frame
 
     def _average(self, values: Floats, patches: Ints) -> Floats:
-        """Mean at the vertices of each patch of corner values (triangle, 3, n), for each corner."""
-        key = patches.astype(np.int64)[:, None] * len(self.mesh.points) + self.mesh.triangles
-        _, place = np.unique(key.ravel(), return_inverse=True)
-        weight = self.corner_angles.ravel()
-        total = np.bincount(place, weights=weight)
-        flat = values.reshape(len(place), -1)
-        means = np.stack([np.bincount(place, weights=weight * column) / total for column in flat.T], axis=1)
-        return means[place].reshape(values.shape)
+        return patch_means(self.mesh, self.corner_angles, values, patches)
 
     @cached_property
     def fields(self) -> Deferred[Floats]:
@@ -153,3 +146,26 @@ class VertexFields:
 
     def _von_mises(self, face: str) -> Floats:
         return von_mises(self._tensor(f"stress_{face}"))
+
+
+def patch_means(mesh: Mesh, corner_angles: Floats, values: Floats, patches: Ints) -> Floats:
+    """Mean of corner values at each vertex of each patch, by the angles of the triangles.
+
+    Parameters
+    ----------
+    corner_angles : (triangle, 3)
+    values : (triangle, 3, n)
+        At the corners.
+    patches : (triangle,)
+
+    Returns
+    -------
+    (triangle, 3, n), the mean at each corner.
+    """
+    key = patches.astype(np.int64)[:, None] * len(mesh.points) + mesh.triangles
+    _, place = np.unique(key.ravel(), return_inverse=True)
+    weight = corner_angles.ravel()
+    total = np.bincount(place, weights=weight)
+    flat = values.reshape(len(place), -1)
+    means = np.stack([np.bincount(place, weights=weight * column) / total for column in flat.T], axis=1)
+    return means[place].reshape(values.shape)

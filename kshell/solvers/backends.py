@@ -56,12 +56,21 @@ def _found(modules: tuple[str, ...]) -> bool:
     return all(importlib.util.find_spec(name) is not None for name in modules)
 
 
-def _superlu(matrix: Any) -> tuple[Solver, int]:
+def superlu(matrix: Any) -> Any:
+    """The factor of a symmetric matrix by SuperLU, its pivots on the diagonal where they can be.
+
+    Raises
+    ------
+    Singular
+        If the matrix is.
+    MemoryError
+        If the factor does not fit.
+    """
     from scipy.sparse.linalg import splu
 
     try:
         # symmetric minimum degree, pivots on the diagonal: half the fill of the unsymmetric default
-        factor = splu(
+        return splu(
             matrix.tocsc(),
             permc_spec="MMD_AT_PLUS_A",
             diag_pivot_thresh=0.0,
@@ -73,6 +82,10 @@ def _superlu(matrix: Any) -> tuple[Solver, int]:
         raise Singular(str(error)) from error
     except SystemError as error:  # how SuperLU reports that the factor outgrew its 32-bit counters
         raise MemoryError(f"SuperLU: {error}") from error
+
+
+def _superlu(matrix: Any) -> tuple[Solver, int]:
+    factor = superlu(matrix)
     return factor.solve, int(factor.nnz)
 
 

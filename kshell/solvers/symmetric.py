@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kshell.solvers.backends import CHOLMOD, PARDISO, SUPERLU, Singular
+from kshell.solvers.backends import CHOLMOD, PARDISO, SUPERLU, Singular, superlu
 from kshell.solvers.repeated import Cholmod, Pardiso
 from kshell.solvers.system import Floats
 
@@ -78,21 +78,7 @@ def _lower(matrix: Any) -> tuple[Any, Any, Floats]:
 
 
 def _superlu(matrix: Any) -> SymmetricFactor:
-    from scipy.sparse.linalg import splu
-
-    try:
-        lu: Any = splu(
-            matrix.tocsc(),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-    except RuntimeError as error:
-        if "singular" not in str(error):
-            raise
-        raise Singular(str(error)) from error
-    except SystemError as error:  # how SuperLU reports that the factor outgrew its 32-bit counters
-        raise MemoryError(f"SuperLU: {error}") from error
+    lu = superlu(matrix)
 
     def count_negative() -> int | None:
         if not np.array_equal(lu.perm_r, lu.perm_c):

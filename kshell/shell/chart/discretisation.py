@@ -21,7 +21,9 @@ from kshell.shell.chart.surface import ChartLike, ChartSurface, jets_of_basis
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
 from kshell.shell.limits import USE_KOITER
+from kshell.shell.scatter import scattered
 from kshell.shell.section import Section
+from kshell.shell.turning import require_curve, require_no_point
 from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
@@ -176,11 +178,7 @@ class ArgyrisDiscretisation:
 
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         """The turn about an edge is n . du/dmu, mu the conormal."""
-        if chosen.dimension != 1:
-            raise InputError(
-                f"{what}: a rotation spring needs a curve, its rotation is the one about it; '{chosen.label}' is a "
-                f"{'point' if chosen.dimension == 0 else 'surface'}"
-            )
+        require_curve(chosen, what)
         parts = []
         for triangles, points, weights, n, slope in chart_loads.slopes(self.surface, chosen.members):
             # (triangle, q, 63), component by component as the unknowns of a triangle
@@ -190,9 +188,7 @@ class ArgyrisDiscretisation:
         return sum(parts[1:], parts[0])
 
     def _scatter(self, unknowns: NDArray[np.int64], blocks: Floats) -> sp.csr_matrix:
-        n = unknowns.shape[1]
-        where = (np.repeat(unknowns, n, axis=1).ravel(), np.tile(unknowns, (1, n)).ravel())
-        return sp.csr_matrix((blocks.ravel(), where), shape=(self.unknowns, self.unknowns))
+        return scattered(unknowns, blocks, self.unknowns)
 
 
 class ArgyrisConditions:
@@ -219,11 +215,7 @@ class ArgyrisConditions:
 
     def rotations(self, chosen: Selection, what: str) -> None:
         """Hold the rotation about edges."""
-        if chosen.dimension == 0:
-            raise InputError(
-                f"{what}: a point of a shell has no rotation of its own to hold; hold its translations, for example "
-                "with simply_supported, or clamp a short edge"
-            )
+        require_no_point(chosen, what)
         if chosen.dimension == 2:
             raise InputError(
                 f"{what}: the smooth functions of Argyris elements on a chart would not bend at all if no edge of a "

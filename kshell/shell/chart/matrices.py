@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.shell.chart.surface import ChartSurface
 from kshell.shell.evaluate import Value, evaluate
 from kshell.shell.reference import weighted_products
+from kshell.shell.scatter import scattered
 
 Floats = NDArray[np.float64]
 
@@ -29,8 +30,5 @@ def chart_foundation(
     reference = weighted_products(surface.tables[0], factor * surface.area_elements[chosen] * surface.weights)
     m = surface.transformation[chosen]
     blocks = m.swapaxes(1, 2) @ reference @ m
-    dofs = surface.scalar[chosen]
-    n = dofs.shape[1]
-    i, j = np.repeat(dofs, n, axis=1).ravel(), np.tile(dofs, (1, n)).ravel()
-    scalar = sp.coo_matrix((blocks.ravel(), (i, j)), shape=(surface.scalars, surface.scalars)).tocsr()
+    scalar = scattered(surface.scalar[chosen], blocks, surface.scalars)
     return sp.kron(scalar, np.asarray(directions, dtype=float), format="csr")

@@ -14,7 +14,6 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.reduction import Reduction
-from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.shell.evaluate import OfPlace
@@ -30,7 +29,9 @@ from kshell.shell.koiter.surface import Surface
 from kshell.shell.koiter.topology import largest_curvature, smooth_patches
 from kshell.shell.reference import lagrange
 from kshell.shell.resultants import Resultants
+from kshell.shell.scatter import scattered
 from kshell.shell.section import Section
+from kshell.shell.turning import require_curve, require_no_point
 from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
@@ -182,11 +183,7 @@ class KoiterDiscretisation:
         return self._scatter(surface.triangle_nodes[chosen.members], blocks, AXES[letter])
 
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
-        if chosen.dimension != 1:
-            raise InputError(
-                f"{what}: a rotation spring needs a curve, its rotation is the one about it; '{chosen.label}' is a "
-                f"{'point' if chosen.dimension == 0 else 'surface'}"
-            )
+        require_curve(chosen, what)
         surface, p = self.surface, self.surface.order
         _, _, weight, points = edge_table(surface, chosen.members, p)
         triangle, local = surface.mesh.edge_owner[chosen.members].T
@@ -197,10 +194,7 @@ class KoiterDiscretisation:
         return sp.diags(diagonal).tocsr()
 
     def _scatter(self, nodes: Ints, blocks: Floats, axis: int) -> sp.csr_matrix:
-        n = nodes.shape[1]
-        unknowns = 3 * nodes.astype(np.int64) + axis
-        place = (np.repeat(unknowns, n, axis=1).ravel(), np.tile(unknowns, (1, n)).ravel())
-        return sp.csr_matrix((blocks.ravel(), place), shape=(self.unknowns, self.unknowns))
+        return scattered(3 * nodes.astype(np.int64) + axis, blocks, self.unknowns)
 
 
 class KoiterConditions:
@@ -229,11 +223,7 @@ class KoiterConditions:
 
     def rotations(self, chosen: Selection, what: str) -> None:
         """Hold the rotation about edges, in a surface about all of its edges."""
-        if chosen.dimension == 0:
-            raise InputError(
-                f"{what}: a point of a shell has no rotation of its own to hold; hold its translations, for example "
-                "with simply_supported, or clamp a short edge"
-            )
+        require_no_point(chosen, what)
         edges = chosen.members
         if chosen.dimension == 2:
             edges = np.unique(self.surface.mesh.triangle_edges[chosen.members])

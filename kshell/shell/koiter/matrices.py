@@ -10,15 +10,14 @@ from kshell.shell.evaluate import Value, evaluate
 from kshell.shell.koiter.loads import edge_table, surface_points
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.reference import weighted_products
+from kshell.shell.scatter import scattered
 
 Floats = NDArray[np.float64]
 
 
 def _spread(surface: Surface, nodes: NDArray, blocks: Floats, directions: Floats) -> sp.csr_matrix:
     """Assemble scalar blocks (element, n, n) times the matrix `directions` (3, 3)."""
-    n = nodes.shape[1]
-    i, j = np.repeat(nodes, n, axis=1).ravel(), np.tile(nodes, (1, n)).ravel()
-    scalar = sp.coo_matrix((blocks.ravel(), (i, j)), shape=(surface.node_count, surface.node_count)).tocsr()
+    scalar = scattered(nodes, blocks, surface.node_count)
     rotations = surface.unknowns - surface.rotation_start
     return sp.block_diag([sp.kron(scalar, directions), sp.csr_matrix((rotations, rotations))], format="csr")
 

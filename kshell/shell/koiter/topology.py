@@ -147,28 +147,6 @@ def smooth_patches(surface: Surface, largest: float = np.radians(10.0)) -> Ints:
     return connected_components(graph, directed=False)[1].astype(np.int32)
 
 
-def vertex_average(surface: Surface, values: Floats, patches: Ints) -> Floats:
-    """Mean of corner values at each vertex of each patch, by the angles of the triangles.
-
-    Parameters
-    ----------
-    values : (triangle, 3, n)
-        At the corners.
-    patches : (triangle,)
-
-    Returns
-    -------
-    (triangle, 3, n), the mean at each corner.
-    """
-    key = patches.astype(np.int64)[:, None] * len(surface.mesh.points) + surface.mesh.triangles
-    _, place = np.unique(key.ravel(), return_inverse=True)
-    weight = surface.corner_angles.ravel()
-    total = np.bincount(place, weights=weight)
-    flat = values.reshape(len(place), -1)
-    means = np.stack([np.bincount(place, weights=weight * column) / total for column in flat.T], axis=1)
-    return means[place].reshape(values.shape)
-
-
 def largest_curvature(surface: Surface) -> Floats:
     """(triangle,) largest principal curvature, in size, at the interior points of the rest surface.
 
