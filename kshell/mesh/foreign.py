@@ -26,7 +26,7 @@ Ints = NDArray[np.int64]
 # what the readers of meshio let through when a file is damaged (SyntaxError: of XML)
 READER_ERRORS = (
     ValueError, KeyError, IndexError, TypeError, AttributeError, AssertionError, EOFError, OSError,
-    SyntaxError, ImportError, struct.error, SystemExit,
+    SyntaxError, ImportError, RuntimeError, struct.error, SystemExit,
 )  # fmt: skip
 
 # formats read through meshio: VTK, PLY, Medit, XDMF, Exodus, DOLFIN, Netgen, Tecplot, AVS

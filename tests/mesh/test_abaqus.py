@@ -89,6 +89,7 @@ SAME = {
     "S3R": PLATE.replace("S3", "S3R") + SETS,
     "CPS3": PLATE.replace("S3", "CPS3") + SETS,
     "CPE3": PLATE.replace("S3", "CPE3") + SETS,
+    "a title first": "a plate, 2 x 1\n" + PLATE + SETS,
     "quoted": PLATE.replace("ELSET=PLATE", 'ELSET="PLATE"') + SETS,
     "no elset in the block": PLATE.replace(", ELSET=PLATE", "") + "*ELSET, ELSET=PLATE, GENERATE\n1, 16\n" + SETS,
     "a part without instance": "*PART, NAME=P\n" + PLATE + SETS + "*END PART\n",
@@ -196,7 +197,7 @@ def test_included_files(read):
 
 def test_what_is_told(read):
     mesh = read(
-        PLATE + "*ELEMENT, TYPE=B31, ELSET=BEAMS\n101, 1, 2\n*ELEMENT, TYPE=MASS, ELSET=M\n102, 3\n"
+        PLATE + "*ELEMENT, TYPE=B31, ELSET=BEAMS\n101, 1, 2, 9\n*ELEMENT, TYPE=MASS, ELSET=M\n102, 3\n"
         "*MATERIAL, NAME=Steel\n*ELASTIC\n2.1e11, 0.3\n*DENSITY\n7850.\n"
         "*SHELL SECTION, ELSET=PLATE, MATERIAL=STEEL, OFFSET=0.5\n0.01, 5\n*SURFACE, NAME=S\nPLATE, SPOS\n"
         "*TRANSFORM, NSET=LEFT, TYPE=C\n0.,0.,0.,0.,0.,1.\n*STEP\n*STATIC\n*BOUNDARY\n1, 1, 6\n"

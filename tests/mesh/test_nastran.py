@@ -82,6 +82,14 @@ SAME = {
     "small fields": BEGIN + grids() + shells() + END,
     "large fields": BEGIN + grids(large) + shells(form=large) + END,
     "free fields": BEGIN + grids(free) + shells(form=free) + END,
+    "free fields of all kinds": BEGIN + grids(free).replace("GRID,", "GRID    ").replace("0.\n", "0.,,,,,,,\n", 3)
+    + shells(form=free) + "DEQATN  1       F(A,B)=A+B\n        +A*B\nENDDATA  1a2b3c\n",
+    "marks in small letters": BEGIN + grids() + shells().replace(
+        small("CTRIA3", 1, 1, 1, 2, 7), "CTRIA3  1       1       1       2       7       " + " " * 24 + "+Ab\n+AB\n"
+    ),
+    "marks with other first signs": BEGIN + grids() + shells().replace(
+        small("CTRIA3", 1, 1, 1, 2, 7), "CTRIA3  1       1       1       2       7       " + " " * 24 + "CORD\n+ORD\n"
+    ),
     "no BEGIN BULK": grids() + shells(),
     "no ENDDATA": BEGIN + grids() + shells(),
     "cells first": BEGIN + shells() + grids() + END,

@@ -60,7 +60,7 @@ def cards(path: Path) -> list[Card]:
         if card.keyword == "":
             if found:
                 found[-1].rows += card.rows
-            elif card.rows:
+            elif any(row[0][:1].isdigit() for _, row in card.rows):  # a title may stand there
                 raise InputError(
                     f"{card.rows[0][0]}: data before the first keyword. Decks of Abaqus and CalculiX begin with a "
                     "line such as *HEADING or *NODE"

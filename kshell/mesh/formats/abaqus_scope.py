@@ -98,6 +98,8 @@ class Scope:
                 continue  # goes on in the next line
             numbers = [whole(word, where) for word in words]
             words = []
+            if kind.kind == "line" and len(numbers) == 2 + kind.nodes:
+                numbers.pop()  # a node that tells how the section is turned
             if kind.nodes and len(numbers) != 1 + kind.nodes:
                 raise InputError(
                     f"{where}: an element {name} has {len(numbers) - 1} nodes instead of {kind.nodes}"

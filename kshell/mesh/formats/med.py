@@ -64,7 +64,7 @@ def _found(file: Any, source: str) -> Found:
         raise InputError(f"{source}: its coordinates are cylindrical or spherical. Save it in Cartesian ones")
     steps = [step for step in mesh if "NOE" in mesh[step]] or ["."]
     at = mesh[steps[0]]
-    dimension = int(mesh.attrs["ESP"])
+    dimension = int(mesh.attrs["ESP" if "ESP" in mesh.attrs else "DIM"])  # older versions know DIM only
     coordinates = (
         np.asarray(at["NOE/COO"], dtype=float).reshape(dimension, -1).T
     )  # all x, then all y, then all z

@@ -110,13 +110,13 @@ def bulk(path: Path) -> Bulk:
         text = line.partition("$")[0].expandtabs(8).rstrip()
         if not text.strip():
             continue
-        if text.strip().upper() == "ENDDATA":
+        if text.split()[0].upper() == "ENDDATA":
             break
         first, fields, mark = _split(text, where)
         if first == "" or first[0] in "+*":
             if not entries:
                 raise InputError(f"{where}: a continuation of nothing")
-            if last.strip("+*") and first.strip("+*") and last.strip("+*") != first.strip("+*"):
+            if not _follows(last, first):
                 raise InputError(
                     f"{where}: the continuation '{first}' does not follow the line that ends in '{last}': write the "
                     "file with continuations in order"
@@ -133,10 +133,21 @@ def bulk(path: Path) -> Bulk:
     return Bulk(entries, names)
 
 
+def _follows(end: str, begin: str) -> bool:
+    """Whether the mark at the end of a line is that at the begin of the next; their first signs may differ."""
+    one, other = end.strip("+*").upper(), begin.strip("+*").upper()
+    return not one or not other or one == other or end[1:].upper() == begin[1:].upper()
+
+
 def _split(text: str, where: str) -> tuple[str, list[str], str]:
     """First field, the data fields (8, or 4 large ones), and the mark of continuation of a line."""
-    if "," in text:
+    if "," in text and (text[:8].strip() or "," in text[:8]) and text[:6].upper() != "DEQATN":
         words = [word.strip() for word in text.split(",")]
+        words = (
+            words[0].split(None, 1) + words[1:] if words[0] else words
+        )  # blanks may part the name from a field
+        while len(words) > 10 and not words[-1]:
+            words.pop()
         first = words[0]
         number = 4 if first.endswith("*") or first.startswith("*") else 8
         if len(words) > number + 2:
