@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import io
 import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,8 @@ Ints = NDArray[np.int64]
 # what the readers of meshio let through when a file is damaged (SyntaxError: of XML)
 READER_ERRORS = (
     ValueError, KeyError, IndexError, TypeError, AttributeError, AssertionError, EOFError, OSError,
-    SyntaxError, ImportError, RuntimeError, struct.error, SystemExit,
+    SyntaxError, ImportError, RuntimeError, MemoryError, OverflowError, struct.error, zlib.error,
+    SystemExit,
 )  # fmt: skip
 
 # formats read through meshio: VTK, PLY, Medit, XDMF, Exodus, DOLFIN, Netgen, Tecplot, AVS

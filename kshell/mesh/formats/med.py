@@ -46,7 +46,7 @@ def read_med(path: Path) -> RawMesh:
     try:
         with h5py.File(path, "r") as file:
             return _found(file, path.name).raw()
-    except (OSError, KeyError, ValueError, TypeError, AttributeError, IndexError) as error:
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, IndexError) as error:
         raise InputError(
             f"{path.name}: cannot be read as a MED file: {str(error).splitlines()[0]}. Is the file damaged, or of "
             "another format than its name says?"

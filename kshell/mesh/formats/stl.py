@@ -32,8 +32,8 @@ def read_stl(path: Path) -> RawMesh:
     data = path.read_bytes()
     if not data.strip():
         raise InputError(f"{path.name}: the file is empty")
-    number = int.from_bytes(data[80:HEADER], "little") if len(data) >= HEADER else -1
-    if len(data) == HEADER + RECORD * number:
+    number = int.from_bytes(data[80:HEADER], "little")
+    if len(data) >= HEADER and len(data) == HEADER + RECORD * number:
         record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
         solids = [("", np.frombuffer(data, record, number, HEADER)["corners"].astype(float))]
     elif data.lstrip()[:5].lower() == b"solid":
@@ -79,6 +79,6 @@ def _ascii(data: bytes, source: str) -> list[tuple[str, NDArray[np.float64]]]:
                 f"{source}: solid {number}: {error}. The file is damaged: export it again"
             ) from None
         solids.append((name or f"solid {number}", corners.reshape(-1, 3, 3)))
-    if len(solids) != len(_BEGIN.findall(data)):
+    if not solids or len(solids) != len(_BEGIN.findall(data)):
         raise InputError(f"{source}: {len(solids)} of its solids are ended by endsolid. The file is cut off")
     return solids

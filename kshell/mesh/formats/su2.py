@@ -44,6 +44,7 @@ def read_su2(path: Path) -> RawMesh:
     lines = [(where, line) for where, line in lines if line]
     dimension, points, found = 3, np.empty((0, 3)), Found(np.empty((0, 3)), path.name)
     marker, at = "", 0
+    announced = markers = 0
     while at < len(lines):
         where, line = lines[at]
         match = _KEY.match(line)
@@ -56,7 +57,9 @@ def read_su2(path: Path) -> RawMesh:
         if key == "NDIME":
             dimension = whole(value, where)
         elif key == "MARKER_TAG":
-            marker = value
+            marker, markers = value, markers + 1
+        elif key == "NMARK":
+            announced = whole(value, where)
         elif key in ("NELEM", "MARKER_ELEMS", "NPOIN"):
             n = whole(value.split()[0] if value else "", where)
             rows = lines[at : at + n]
@@ -64,6 +67,11 @@ def read_su2(path: Path) -> RawMesh:
             if len(rows) < n or any("=" in row for _, row in rows):
                 raise InputError(f"{where}: announces {n} lines, but fewer follow. The file is cut off")
             if key == "NPOIN":
+                short = [place for place, row in rows if len(row.split()) < dimension]
+                if short or dimension not in (2, 3):
+                    raise InputError(
+                        f"{(short or [where])[0]}: a point has fewer than {dimension} coordinates"
+                    )
                 points = np.array(
                     [[real(word, place) for word in row.split()[:dimension]] for place, row in rows]
                 )
@@ -71,6 +79,10 @@ def read_su2(path: Path) -> RawMesh:
                 _cells(found, rows, marker if key == "MARKER_ELEMS" else "")
         elif key in ("NZONE", "NCHUNK", "FFD_NBOX") and value not in ("1", "0"):
             raise InputError(f"{where}: {key} = {value}: only one zone is read")
+    if announced > markers:
+        raise InputError(
+            f"{path.name}: announces {announced} markers but holds {markers}. The file is cut off"
+        )
     if points.ndim != 2 or points.shape[1:] not in ((2,), (3,)):
         raise InputError(f"{path.name}: has no points in {dimension} dimensions")
     found.points = np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))])

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from kshell.errors import InputError
 
+LARGEST = 2**62
 _FORTRAN = re.compile(r"^([+-]?(?:\d+\.?\d*|\.\d+))(?:[dDeE]?([+-]\d+)|[dDeE](\d+))?$")
 
 
@@ -38,9 +39,12 @@ def whole(word: str, where: str) -> int:
         If the word is none; `where` names file and line.
     """
     try:
-        return int(word)
+        number = int(word)
     except ValueError:
         raise InputError(f"{where}: {word[:40]!r} stands where a whole number should") from None
+    if abs(number) >= LARGEST:
+        raise InputError(f"{where}: the number {word[:40]} is too large to number anything")
+    return number
 
 
 def real(word: str, where: str) -> float:
