@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, partial
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -19,6 +18,7 @@ from scipy.sparse.linalg import cg
 from kshell.equilibrium.linear import LinearSolution
 from kshell.equilibrium.reduction import Reduction
 from kshell.result.deferred import Deferred
+from kshell.shell.discretisation import Discretisation
 from kshell.shell.supports import ShellSupports
 
 Floats = NDArray[np.float64]
@@ -27,7 +27,7 @@ ORTHONORMAL = 1e-9
 
 
 def find_reactions(
-    discretisation: Any,
+    discretisation: Discretisation,
     supports: ShellSupports,
     solution: LinearSolution,
     loads: list[Floats],

@@ -6,8 +6,6 @@ conditions leave of such a motion of the unknowns, R r - T c with the best c, sh
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -19,6 +17,7 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.unjoined import vertex_parts
 from kshell.mesh.words import place
+from kshell.shell.discretisation import Discretisation
 
 Floats = NDArray[np.float64]
 
@@ -29,7 +28,7 @@ ROUND = 1e-6
 
 
 def require_held(
-    mesh: Mesh, discretisation: Any, reduction: Reduction, springs: sp.csr_matrix | None
+    mesh: Mesh, discretisation: Discretisation, reduction: Reduction, springs: sp.csr_matrix | None
 ) -> None:
     """Raise InputError if a part can move as a rigid body, naming the motion and the part.
 

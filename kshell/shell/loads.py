@@ -32,6 +32,7 @@ from kshell.scene.loads import (
     Traction,
 )
 from kshell.scene.structure import Placed
+from kshell.shell.discretisation import Discretisation
 from kshell.shell.initial import StressFree, temperature
 from kshell.shell.limits import USE_KOITER
 
@@ -88,7 +89,7 @@ def _times(follow: Follower, factor: float, x: Floats) -> tuple[Floats, sp.csr_m
 
 
 def apply_loads(
-    loads: Iterable[Placed[Load]], mesh: Mesh, discretisation: Any, energy: Any, section: Section
+    loads: Iterable[Placed[Load]], mesh: Mesh, discretisation: Discretisation, energy: Any, section: Section
 ) -> ShellLoads:
     """Translate the loads of a structure.
 
@@ -115,7 +116,7 @@ def apply_loads(
 
 
 class _Builder:
-    def __init__(self, mesh: Mesh, discretisation: Any, energy: Any, section: Section) -> None:
+    def __init__(self, mesh: Mesh, discretisation: Discretisation, energy: Any, section: Section) -> None:
         self.mesh, self.discretisation, self.energy, self.section = mesh, discretisation, energy, section
         self.surface, self.kernel = discretisation.surface, discretisation.loads
         self.number = 0

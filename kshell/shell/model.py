@@ -29,7 +29,6 @@ class ShellModel(FiniteModel):
     Parameters
     ----------
     problem : ShellProblem
-    order : int
     reasons : sequence of str
         Why this model.
     """
@@ -37,13 +36,9 @@ class ShellModel(FiniteModel):
     kind: ClassVar[Literal["plate", "shell"]] = "shell"
     frame = FRAME
 
-    def __init__(self, problem: ShellProblem, order: int, reasons: Sequence[str]) -> None:
-        self.problem, self.structure, self.order, self.reasons = (
-            problem,
-            problem.structure,
-            order,
-            list(reasons),
-        )
+    def __init__(self, problem: ShellProblem, reasons: Sequence[str]) -> None:
+        self.problem, self.structure, self.reasons = problem, problem.structure, list(reasons)
+        self.element, self.order = problem.discretisation.name, problem.discretisation.order
         self._solver: LinearSolver | None = None  # where several loads are solved for
 
     @property
@@ -87,6 +82,11 @@ class ShellModel(FiniteModel):
         if not mass.diagonal().any():
             raise InputError(NO_DENSITY)
         return self.problem.reduction.reduce(mass)
+
+    def full_mass(self) -> sp.csr_matrix:
+        every = np.arange(len(self.problem.space.triangles))
+        points, _ = self.problem.discretisation.interior_points(every)
+        return self.problem.discretisation.mass(self.problem.section.mass(every, points))
 
     def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
         return self.problem.reduction.reduce(self.problem.energy.geometric_stiffness(solved.own.stress))

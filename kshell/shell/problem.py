@@ -19,6 +19,7 @@ from kshell.mesh import quadratic
 from kshell.mesh.closest import Locator
 from kshell.mesh.words import place
 from kshell.scene.structure import Structure
+from kshell.shell.discretisation import Discretisation
 from kshell.shell.held import require_held
 from kshell.shell.limits import what_they_smooth
 from kshell.shell.loads import ShellLoads, apply_loads
@@ -58,10 +59,10 @@ class ShellProblem:
         If a support, load, material or thickness does not fit, or the shell is not held.
     """
 
-    def __init__(self, structure: Structure, discretisation: Any) -> None:
+    def __init__(self, structure: Structure, discretisation: Discretisation) -> None:
         self.structure, self.space, self.section = structure, structure.space, structure.section
         self.discretisation = discretisation
-        self.energy = discretisation.energy(self._stiffness())
+        self.energy: Any = discretisation.energy(self._stiffness())
         self.supports: ShellSupports = apply_supports(structure.supports, self.space, discretisation)
         self.loads: ShellLoads = apply_loads(
             structure.loads, self.space, discretisation, self.energy, self.section

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
@@ -12,6 +10,7 @@ from kshell.material.section import Section
 from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
+from kshell.shell.discretisation import Discretisation
 from kshell.shell.limits import THINNEST
 
 Floats = NDArray[np.float64]
@@ -28,7 +27,7 @@ ON_TRIANGLE = 1e-6  # distance from a triangle, in its size, that is none
 BESIDE = 1e-9  # barycentric coordinate below which a crossing is on the border
 
 
-def shape_warnings(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
+def shape_warnings(mesh: Mesh, discretisation: Discretisation, section: Section) -> list[str]:
     """Warnings about the shape of a shell.
 
     Parameters
@@ -46,7 +45,7 @@ def shape_warnings(mesh: Mesh, discretisation: Any, section: Section) -> list[st
     ]
 
 
-def _thick(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
+def _thick(mesh: Mesh, discretisation: Discretisation, section: Section) -> list[str]:
     triangles = np.arange(len(mesh.triangles))
     centres = mesh.points[mesh.triangles].mean(axis=1)
     t = section.thickness(triangles, centres[:, None])[:, 0]
@@ -60,7 +59,7 @@ def _thick(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
     ]
 
 
-def _locking(mesh: Mesh, discretisation: Any, section: Section) -> list[str]:
+def _locking(mesh: Mesh, discretisation: Discretisation, section: Section) -> list[str]:
     """Elements that cannot bend a thin curved shell without stretching it; taken only where they were asked for."""
     argyris = discretisation.name == "argyris"
     if not argyris and discretisation.order > 1:

@@ -17,6 +17,7 @@ from kshell.mesh.select import Selection
 from kshell.scene.handlers import Handlers
 from kshell.scene.structure import Placed
 from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Support, Symmetry
+from kshell.shell.discretisation import Discretisation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -92,7 +93,9 @@ def hinge_edges(supports: Iterable[Placed[Support]], mesh: Mesh) -> Ints:
     return np.unique(np.concatenate(edges))
 
 
-def apply_supports(supports: Iterable[Placed[Support]], mesh: Mesh, discretisation: Any) -> ShellSupports:
+def apply_supports(
+    supports: Iterable[Placed[Support]], mesh: Mesh, discretisation: Discretisation
+) -> ShellSupports:
     """Translate the supports of a structure.
 
     Parameters
@@ -114,7 +117,7 @@ def apply_supports(supports: Iterable[Placed[Support]], mesh: Mesh, discretisati
 @dataclass
 class _Builder:
     mesh: Mesh
-    discretisation: Any
+    discretisation: Discretisation
     out: ShellSupports
 
     @HANDLERS.of(Free, Hinge)

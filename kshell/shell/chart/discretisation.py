@@ -15,9 +15,11 @@ from kshell.mesh.select import Selection
 from kshell.shell.chart import loads as chart_loads
 from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.initial import initial_strain
+from kshell.shell.chart.matrices import chart_foundation
 from kshell.shell.chart.recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart.supports import ChartSupports
 from kshell.shell.chart.surface import ChartLike, ChartSurface, jets_of_basis
+from kshell.shell.discretisation import Conditions, Discretisation
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
 from kshell.shell.limits import USE_KOITER
@@ -30,7 +32,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 
-class ArgyrisDiscretisation:
+class ArgyrisDiscretisation(Discretisation):
     """Argyris elements on the parameter plane of a chart.
 
     Parameters
@@ -48,6 +50,7 @@ class ArgyrisDiscretisation:
     """
 
     name = "argyris"
+    order = 5
     loads = chart_loads
 
     def __init__(self, mesh: Mesh, chart: ChartLike) -> None:
@@ -90,6 +93,9 @@ class ArgyrisDiscretisation:
         return np.moveaxis(surface.positions[:, triangles], 0, 2), surface.area_elements[
             triangles
         ] * surface.weights
+
+    def mass(self, density: Floats) -> sp.csr_matrix:
+        return chart_foundation(self.surface, density, np.eye(3))
 
     def patches(self) -> tuple[Ints, Floats]:
         """(triangle,) one smooth piece, and (triangle, 3) equal weights of the corners."""
@@ -191,7 +197,7 @@ class ArgyrisDiscretisation:
         return scattered(unknowns, blocks, self.unknowns)
 
 
-class ArgyrisConditions:
+class ArgyrisConditions(Conditions):
     """Conditions on the motion of a chart surface, from selections of a mesh."""
 
     def __init__(self, surface: ChartSurface) -> None:

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-import scipy.sparse as sp
-
 from kshell.errors import InputError
 from kshell.scene.structure import Structure
 from kshell.shell.chart.discretisation import ArgyrisDiscretisation
-from kshell.shell.chart.matrices import chart_foundation
 from kshell.shell.limits import USE_KOITER
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
@@ -33,18 +29,10 @@ class ChartModel(ShellModel):
         If a support, load, material or thickness does not fit, or the shell is not held.
     """
 
-    element = "argyris"
-
     def __init__(self, structure: Structure, reasons: Sequence[str] = ()) -> None:
         if len(hinge_edges(structure.supports, structure.space)):
             raise InputError(
                 f"support hinge: Argyris functions on a chart are smooth, so there are no hinges: {USE_KOITER}"
             )
         discretisation = ArgyrisDiscretisation(structure.parameters, structure.chart)
-        super().__init__(ShellProblem(structure, discretisation), 5, reasons)
-
-    def full_mass(self) -> sp.csr_matrix:
-        problem, surface = self.problem, self.problem.discretisation.surface
-        every = np.arange(len(problem.space.triangles))
-        points, _ = problem.discretisation.interior_points(every)
-        return chart_foundation(surface, problem.section.mass(every, points), np.eye(3))
+        super().__init__(ShellProblem(structure, discretisation), reasons)

@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 from kshell.equilibrium.reduction import Reduction
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
+from kshell.shell.discretisation import Conditions, Discretisation
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
 from kshell.shell.koiter import loads
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.initial import initial_strain
 from kshell.shell.koiter.loads import edge_table, surface_points
+from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.reactions import rotation_axes
 from kshell.shell.koiter.recovery import displacement, energies, resultants
 from kshell.shell.koiter.supports import Supports
@@ -42,7 +44,7 @@ FOLD = np.radians(10.0)
 FACET = np.radians(35.0)
 
 
-class KoiterDiscretisation:
+class KoiterDiscretisation(Discretisation):
     """Koiter elements of order p.
 
     Parameters
@@ -107,6 +109,9 @@ class KoiterDiscretisation:
     ) -> KoiterRecovery:
         """Values of a solution inside triangles."""
         return KoiterRecovery(energy, x, finite, memory, initial)
+
+    def mass(self, density: Floats) -> sp.csr_matrix:
+        return mass(self.surface, density)
 
     @property
     def true_shape(self) -> bool:
@@ -197,7 +202,7 @@ class KoiterDiscretisation:
         return scattered(3 * nodes.astype(np.int64) + axis, blocks, self.unknowns)
 
 
-class KoiterConditions:
+class KoiterConditions(Conditions):
     """Conditions on the motion of a Koiter surface, from selections of a mesh."""
 
     def __init__(self, surface: Surface) -> None:

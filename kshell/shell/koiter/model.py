@@ -6,15 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.scene.on_chart import lifted
 from kshell.scene.structure import Structure
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
-from kshell.shell.koiter.loads import surface_points
-from kshell.shell.koiter.matrices import mass
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.supports import hinge_edges
@@ -40,8 +37,6 @@ class KoiterModel(ShellModel):
         If a support, load, material or thickness does not fit, or the shell is not held.
     """
 
-    element = "koiter"
-
     def __init__(
         self,
         structure: Structure,
@@ -60,12 +55,7 @@ class KoiterModel(ShellModel):
             structure = structure.on(moved_mesh(structure.space, order, offsets))
         hinges = hinge_edges(structure.supports, structure.space)
         discretisation = KoiterDiscretisation(structure.parameters, order, lift, hinges, offsets)
-        super().__init__(ShellProblem(structure, discretisation), order, reasons)
-
-    def full_mass(self) -> sp.csr_matrix:
-        problem, surface = self.problem, self.problem.discretisation.surface
-        every = np.arange(len(problem.space.triangles))
-        return mass(surface, problem.section.mass(every, surface_points(surface, every)))
+        super().__init__(ShellProblem(structure, discretisation), reasons)
 
 
 def moved_mesh(mesh: Mesh, order: int, offsets: Floats) -> Mesh:
