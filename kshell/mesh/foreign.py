@@ -1,4 +1,4 @@
-"""Meshes of other libraries: what meshio reads, and objects of meshio and scikit-fem.
+"""Meshes of other libraries: formats read through meshio, and objects of meshio and scikit-fem.
 
 Objects are recognised by the name of their class, so that neither library is imported for a .msh file.
 """

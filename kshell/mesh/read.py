@@ -34,7 +34,8 @@ def read_mesh(
     Parameters
     ----------
     source : path, Mesh, skfem.MeshTri, skfem.MeshTri2 or meshio.Mesh
-        Files: .msh of gmsh 2.2 or 4.1; .geo, .step, .brep, .iges, which gmsh meshes; what else meshio reads.
+        Files: .msh of gmsh; .geo, .step, .brep, .iges, which gmsh meshes; those of `kshell.mesh.formats` (.inp, .bdf,
+        .med, .unv, .obj, .stl and others) and of meshio that `kshell.mesh.foreign` names.
     mesh_size : float, optional
         Edge length wanted everywhere, for geometry files only; absent: the sizes the file itself gives.
     mesh_order : 1, 2 or "auto", optional

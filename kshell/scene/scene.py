@@ -111,7 +111,7 @@ class Scene:
     Attributes
     ----------
     mesh : path, kshell.Mesh, skfem.MeshTri or meshio.Mesh
-        .msh 2.2 / 4.1 of order 1 or 2, .geo .step .brep (meshed by gmsh), or what meshio reads.
+        .msh of order 1 or 2, .geo .step .brep (meshed by gmsh), .inp .bdf .med .unv .obj .stl and others.
     thickness : number, expression in x, y, z, callable f(x, y, z), or dict of surface group to one of these
         Not together with `layers`.
     material : Isotropic, Orthotropic or Anisotropic
