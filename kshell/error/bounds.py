@@ -54,7 +54,7 @@ class PlatePair:
     problem : PlateProblem
         With the Argyris element and straight edges.
     order : int
-        Of the equilibrated side.
+        Of the equilibrated side, 1 to 8.
     method : str
         How large systems of the equilibrated side are solved, see `kshell.solvers.prepare`.
 
@@ -72,7 +72,7 @@ class PlatePair:
     """
 
     def __init__(self, problem: PlateProblem, order: int = ORDER, method: str = "direct") -> None:
-        require_pair(problem)
+        require_pair(problem, order)
         self.problem, self.order = problem, order
         self.triangles = Triangles(problem.mesh)
         self.conforming = Conforming(problem, self.triangles)

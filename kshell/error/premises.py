@@ -9,17 +9,20 @@ from kshell.plate.forms import AreaSpring, EdgeSpring
 from kshell.plate.loading import LOAD_DEGREE, AreaLoad, CurvatureLoad, EdgeLoad, PointLoad
 from kshell.plate.problem import PlateProblem
 
+LARGEST_PAIR = 8  # the forces of springs and their correction are integrated exactly up to this order
 ARGYRIS_DEGREE = 5  # of a prescribed deflection along an edge
 
 
-def require_pair(problem: PlateProblem) -> None:
+def require_pair(problem: PlateProblem, order: int) -> None:
     """Refuse what a pair of bounds cannot be made for.
 
     Raises
     ------
     InputError
-        For curved edges, elements other than Argyris, and supports that the HHJ element does not have.
+        For curved edges, elements other than Argyris, and orders that loads and springs are not integrated for.
     """
+    if not 1 <= order <= LARGEST_PAIR:
+        raise InputError(f"order = {order} of the equilibrated side: it has orders from 1 to {LARGEST_PAIR}")
     if problem.element.maxdeg < 5:
         raise InputError('bounds need a conforming deflection: use element = "argyris"')
     if problem.domain.boundary.curved.any():

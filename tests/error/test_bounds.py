@@ -218,3 +218,10 @@ def test_curved_edges_are_refused():
 def test_a_place_must_be_a_vertex():
     with pytest.raises(ks.InputError, match="no vertex"):
         Goal.deflection(square(2), (0.3, 0.3))
+
+
+@pytest.mark.parametrize("order", [0, 9])
+def test_orders_that_are_not_integrated_exactly_are_refused(order):
+    of = problem(square(2), [ks.Clamped("left")], [ks.Pressure(1.0)])
+    with pytest.raises(ks.InputError, match="orders from 1 to 8"):
+        PlatePair(of, order)
