@@ -12,10 +12,11 @@ from kshell.errors import InputError, KshellError, KshellWarning, SolveError
 from kshell.version import __version__
 
 if TYPE_CHECKING:
-    from kshell.analysis.solve import solve, trace
+    from kshell.analysis.solve import buckling, modes, solve, trace
     from kshell.material.laminate import Layer
     from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
     from kshell.mesh import Mesh
+    from kshell.result.mac import mac
     from kshell.result.result import Result
     from kshell.scene.imperfection import Imperfection
     from kshell.scene.loads import (
@@ -64,7 +65,10 @@ __all__ = [
     "Temperature",
     "Traction",
     "__version__",
+    "buckling",
     "geometry",
+    "mac",
+    "modes",
     "solve",
     "trace",
 ]
@@ -98,6 +102,9 @@ _LAZY = {
     "Result": "kshell.result.result",
     "solve": "kshell.analysis.solve",
     "trace": "kshell.analysis.solve",
+    "modes": "kshell.analysis.solve",
+    "buckling": "kshell.analysis.solve",
+    "mac": "kshell.result.mac",
 }
 
 

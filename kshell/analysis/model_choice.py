@@ -34,6 +34,9 @@ LARGEST_KOITER = 3
 # peak memory of a solve with cubics, in bytes per triangle, measured at 5,000 and 10,000 triangles with a reserve
 CUBICS_BYTES = 180e3
 
+# analyses that take a flat structure as a plate in bending, with what its loads do in the plane found beside it
+BENDING = ("modes", "buckling")
+
 
 @dataclass(frozen=True)
 class ModelChoice:
@@ -136,6 +139,16 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
         raise InputError(
             "control and branch given: a branch is followed by its length, leave one of them out"
         )
+    for key, given in (
+        ("count", options.count is not None),
+        ("range", options.range is not None),
+        ("prestress", options.prestress),
+    ):
+        if given and options.analysis not in BENDING:
+            raise InputError(
+                f'{key} is for analysis = "modes" (kshell modes) or "buckling" (kshell buckling): leave it out, or '
+                "take one of them"
+            )
     followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
     if followers and options.large_deflection is False and options.analysis == "static":
         raise InputError(
@@ -184,14 +197,17 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
     if options.large_asked:
         return "shell", "kind shell: large deflections of a flat mesh stretch it"
-    stretching = next(_stretching(structure), None)
+    bends = options.analysis in BENDING
+    stretching = next(_stretching(structure, moved=not bends), None)
+    if stretching is None and bends:
+        return "plate", "kind plate: the mesh is flat, its modes are those of bending"
     if stretching is None:
         return "plate", "kind plate: the mesh is flat, bending alone describes it"
     return "shell", f"kind shell: the mesh is flat, but {stretching}"
 
 
-def _stretching(structure: Structure) -> Iterator[str]:
-    """What in a flat structure stretches the plate in its plane, in words."""
+def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
+    """What in a flat structure stretches the plate in its plane, in words; `moved`: loads and motions there, too."""
     layers, mesh = structure.section.laminate, structure.space
     if layers is not None and layers.coupling > NEGLIGIBLE_COUPLING:
         yield "the layers are not symmetric about their middle, so bending stretches them"
@@ -203,11 +219,11 @@ def _stretching(structure: Structure) -> Iterator[str]:
         support = held.item
         if isinstance(support, Hinge):
             yield f"{support} is a hinge line"
-        elif support.value is not None:
+        elif moved and support.value is not None:
             value = support.translation_at(held.vertices(mesh))
             if exceeds(value[:, :2], value):
                 yield f"{support} moves it in its plane"
-    for placed in structure.loads:
+    for placed in structure.loads if moved else ():
         words = placed.item.stretches(placed.vertices(mesh))
         if words:
             yield f"{placed.item} {words}"

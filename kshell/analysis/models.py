@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-from kshell.analysis.model_choice import ModelChoice, choose_model
+from kshell.analysis.model_choice import BENDING, ModelChoice, choose_model
 from kshell.equilibrium.model import Model
+from kshell.mesh.check import is_flat
 from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
 from kshell.scene.structure import Structure, resolve
+
+# analyses of what no support holds: it may move as a rigid body
+MOVABLE = ("modes",)
 
 
 def build_model(structure: Structure, options: SolveOptions) -> Model:
@@ -21,12 +26,32 @@ def build_model(structure: Structure, options: SolveOptions) -> Model:
     SolveError
         If there is no such buckling mode for the imperfection.
     """
-    model = model_as(structure, choose_model(structure, options))
+    choice = choose_model(structure, options)
+    if options.analysis in MOVABLE and not options.prestress:
+        structure = replace(structure, movable=True)
+    if choice.kind == "plate" and options.analysis in BENDING:
+        structure = bending_only(structure)
+    elif flat_under_load(structure, options):
+        from kshell.analysis.membrane import held_in_plane
+
+        structure = held_in_plane(structure)
+    model = model_as(structure, choice)
     if structure.imperfection is None:
         return model
     from kshell.shell.koiter.imperfection import imperfect
 
     return imperfect(model)
+
+
+def flat_under_load(structure: Structure, options: SolveOptions) -> bool:
+    """Whether a flat shell is to be stressed in its plane before it buckles or vibrates."""
+    loaded = options.analysis == "buckling" or (options.analysis in BENDING and options.prestress)
+    return loaded and structure.chart is None and is_flat(structure.space.points)
+
+
+def bending_only(structure: Structure) -> Structure:
+    """The structure without its loads: what they do in the plane is found beside it, see `kshell.analysis.membrane`."""
+    return replace(structure, loads=())
 
 
 def model_as(structure: Structure, choice: ModelChoice) -> Model:

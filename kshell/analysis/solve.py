@@ -57,6 +57,68 @@ def trace(
     return answer(scene, {**options, "analysis": "path"}, progress, folder, resume, allow_system)
 
 
+def modes(
+    scene: Scene,
+    *,
+    progress: Callable[[str], None] | None = None,
+    allow_system: bool = False,
+    **options: Any,
+) -> Result:
+    """Natural frequencies and modes.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its material has a density; its loads act with prestress = True only.
+    progress, allow_system, **options :
+        As for `solve`; count, range, prestress and tolerance belong here.
+
+    Returns
+    -------
+    Result
+        With `eigen`, ascending, and the fields mode_1, mode_2, ...
+
+    Raises
+    ------
+    InputError
+        If the scene or an option is wrong, or there are fewer modes than asked for.
+    SolveError
+        If no answer was reached.
+    """
+    return answer(scene, {**options, "analysis": "modes"}, progress, allow_system=allow_system)
+
+
+def buckling(
+    scene: Scene,
+    *,
+    progress: Callable[[str], None] | None = None,
+    allow_system: bool = False,
+    **options: Any,
+) -> Result:
+    """Factors by which the loads may grow before the structure buckles, by linear theory.
+
+    Parameters
+    ----------
+    scene : Scene
+        Loads with `fixed` do not grow.
+    progress, allow_system, **options :
+        As for `solve`; count belongs here.
+
+    Returns
+    -------
+    Result
+        With `eigen`, ascending in size, and the fields mode_1, mode_2, ...; negative factors belong to reversed loads.
+
+    Raises
+    ------
+    InputError
+        If the scene or an option is wrong.
+    SolveError
+        If nothing buckles.
+    """
+    return answer(scene, {**options, "analysis": "buckling"}, progress, allow_system=allow_system)
+
+
 def solve(
     scene: Scene,
     *,
@@ -133,7 +195,7 @@ def answer(
         if isinstance(error.state, Result):
             _of_scene(error.state, scene)
         raise
-    if chosen.tolerance is not None:
+    if chosen.tolerance is not None and chosen.analysis in ("static", "path"):
         result.warnings.append(
             f"tolerance = {chosen.tolerance:g} decides about large deflections only: the mesh is solved as given"
         )

@@ -1,4 +1,4 @@
-"""The command line: `kshell solve`, `kshell trace`, `kshell check` and `kshell verify`.
+"""The command line: `kshell solve`, `modes`, `buckling`, `trace`, `check` and `verify`.
 
 Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
 traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kshell.scene.scene import Scene
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-COMMANDS = ("solve", "trace", "check", "verify")
+COMMANDS = ("solve", "modes", "buckling", "trace", "check", "verify")
 INTERRUPTED = 130
 
 app = typer.Typer(
@@ -37,6 +37,11 @@ app = typer.Typer(
 
 Source = Annotated[
     Path, typer.Argument(metavar="SCENE.toml|MESH", help="A scene file, or a mesh or geometry file.")
+]
+SceneOnly = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="A scene file.")]
+Output = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", metavar="DIR", help="Write result.json, result.vtu and modes.pvd here."),
 ]
 JsonFile = Annotated[
     str | None,
@@ -214,6 +219,83 @@ def trace(
     except (SolveError, Interrupted) as error:
         _save_last(error.state, folder, plot, json)
         raise
+    written = [] if folder is None else result.save(folder, plots=plot)
+    written += _write_json(result, json)
+    if json != "-":
+        from kshell.cli.terminal import print_result
+
+        print_result(result, written, time.perf_counter() - begin)
+
+
+Count = Annotated[int | None, typer.Option("--count", metavar="N", help="How many.")]
+
+
+@app.command()
+def modes(
+    source: SceneOnly,
+    output: Output = None,
+    json: JsonFile = None,
+    plot: Pictures = False,
+    set_: Overrides = None,
+    allow_system: AllowSystem = False,
+    count: Count = None,
+    range_: Annotated[
+        str | None, typer.Option("--range", metavar="F1,F2", help="All between two frequencies instead.")
+    ] = None,
+    prestress: Annotated[
+        bool, typer.Option("--prestress", help="Let the loads act before the structure vibrates.")
+    ] = False,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Width of the intervals, relative; of plates with straight edges.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Natural frequencies and modes, of plates between guaranteed bounds."""
+    options: dict[str, Any] = {"count": count, "tolerance": tolerance, "prestress": prestress or None}
+    if range_ is not None:
+        options["range"] = _frequencies(range_)
+    _eigen(source, "modes", options, output, json, plot, set_, allow_system)
+
+
+@app.command()
+def buckling(
+    source: SceneOnly,
+    output: Output = None,
+    json: JsonFile = None,
+    plot: Pictures = False,
+    set_: Overrides = None,
+    allow_system: AllowSystem = False,
+    count: Count = None,
+    debug: Debug = False,
+) -> None:
+    """Factors by which the loads may grow before the structure buckles, by linear theory."""
+    _eigen(source, "buckling", {"count": count}, output, json, plot, set_, allow_system)
+
+
+def _frequencies(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f'--range "{text}": must be two frequencies, such as 0,100') from None
+
+
+def _eigen(
+    source: Path,
+    analysis: str,
+    options: dict[str, Any],
+    output: Path | None,
+    json: str | None,
+    plot: bool,
+    set_: list[str] | None,
+    allow_system: bool,
+) -> None:
+    if not is_scene(source):
+        raise InputError(f"{source}: {analysis} needs a scene file, .toml")
+    begin = time.perf_counter()
+    scene = scene_of(source, {}, set_ or [])
+    given = {key: value for key, value in options.items() if value is not None}
+    result = _solve(scene, {**given, "analysis": analysis}, allow_system)
+    folder = output or (Path(f"{source.stem}-result") if plot else None)
     written = [] if folder is None else result.save(folder, plots=plot)
     written += _write_json(result, json)
     if json != "-":

@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -74,6 +75,8 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
     )
     for reason in result.model["reasons"]:
         console.print(f"  {_escaped(reason)}")
+    if result.eigen:
+        _print_modes(console, result)
     if result.probes:
         moved = (lambda u: _vector(u)) if shell else (lambda u: _number(u[2]))
         rows = [
@@ -109,19 +112,69 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         ]
         heads = ["support", "force", "moment about the origin"]
         console.print(_table(heads, reactions, f"Reactions on the {result.model['kind']}"))
+    if not result.eigen:
+        _print_balance(console, result)
+    _print_warnings(console, result.warnings)
+    stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())
+    console.print(f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({stages})")
+    files = list(written)
+    for path in _listed(files):
+        console.print(f"written: {_escaped(path)}")
+    if not files:
+        console.print("nothing written: -o DIR writes result.json and result.vtu")
+
+
+def _listed(files: Sequence[str]) -> list[str]:
+    """The files written; of many alike the first alone, with their number."""
+    frames = [path for path in files if Path(path).name.startswith("mode-")]
+    rest = [path for path in files if path not in frames]
+    return rest if not frames else [*rest, f"{frames[0]} and {len(frames) - 1} more, which modes.pvd plays"]
+
+
+def _print_modes(console: Console, result: Result) -> None:
+    """Frequencies or factors with their intervals, and effective masses in per cent of the whole."""
+    buckling = result.analysis == "buckling"
+    total = result.modal.get("total_mass", [0.0] * 6)
+    rows = []
+    for number, entry in enumerate(result.eigen, 1):
+        what = entry["value"] if buckling else entry["frequency"]
+        words = entry.get("name") or ("unstable" if what is None else f"{what:.7g}")
+        row = [str(number), words, _interval(entry, buckling)]
+        if not buckling:
+            row += [_share(m, t) for m, t in zip(entry["effective_mass"], total, strict=True)]
+        rows.append(row)
+    heads = (
+        ["", "factor", "interval"] if buckling else ["", "Hz", "interval", "x", "y", "z", "rx", "ry", "rz"]
+    )
+    if not buckling and result.modal:
+        together = result.modal["effective_mass"]
+        rows.append(["", "all", "", *(_share(m, t) for m, t in zip(together, total, strict=True))])
+    title = "Load factors" if buckling else "Frequencies, effective masses in %"
+    console.print(_table(heads, rows, title))
+
+
+def _share(part: float, total: float) -> str:
+    return f"{100 * part / total:.0f}" if total > 0 else "-"
+
+
+def _interval(entry: dict[str, Any], buckling: bool) -> str:
+    """Width below and above the value, relative, and whether it is proven."""
+    if entry["lower"] is None or "name" in entry:
+        return ""
+    value, lower, upper = entry["value"], entry["lower"], entry["upper"]
+    if not buckling and value > 0:
+        value, lower, upper = (max(x, 0.0) ** 0.5 for x in (value, lower, upper))
+    size = abs(value) or 1.0
+    mark = "proven" if entry["kind"] == "guaranteed" else "est."
+    return f"-{abs(value - lower) / size:.0e} +{abs(upper - value) / size:.0e} {mark}"
+
+
+def _print_balance(console: Console, result: Result) -> None:
     console.print(
         f"equilibrium: loads and reactions differ by {result.balance:.1e} of their size; "
         f"strain energy {_number(result.strain_energy)}"
         + "".join(f", {name} {_number(part)}" for name, part in result.energies.items())
     )
-    _print_warnings(console, result.warnings)
-    stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())
-    console.print(f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({stages})")
-    files = list(written)
-    for path in files:
-        console.print(f"written: {_escaped(path)}")
-    if not files:
-        console.print("nothing written: -o DIR writes result.json and result.vtu")
 
 
 def print_findings(found: Findings) -> None:

@@ -22,6 +22,8 @@ FIELDS: dict[str, tuple[str, int, str]] = {
     "von_mises_top": ("von_mises_top", 0, "von Mises stress at the top (z = +t/2)"),
 }
 PICTURES = (*FIELDS, "mesh")
+# analyses whose fields are shapes of motion
+MODAL = ("modes", "buckling")
 
 # of shells, in addition or instead
 SHELL_FIELDS: dict[str, tuple[str, int, str]] = {
@@ -38,6 +40,8 @@ SHELL_FIELDS: dict[str, tuple[str, int, str]] = {
 
 def pictures(result: Result) -> tuple[str, ...]:
     """The names of the pictures that a result has."""
+    if result.analysis in MODAL:
+        return ("modes", *(f"mode_{number}" for number in range(1, len(result.eigen) + 1)), "mesh")
     if result.model.get("kind") != "shell":
         return PICTURES
     path = ("load_deflection",) if result.path and result.probes else ()

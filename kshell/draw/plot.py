@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kshell.draw.field_plot import field_figure
+from kshell.draw.mode_plot import mode_figure, modes_figure
 from kshell.draw.path_plot import path_figure
-from kshell.draw.pictures import picture_values, pictures
+from kshell.draw.pictures import MODAL, picture_values, pictures
 from kshell.draw.scene_plot import plot_scene
 from kshell.draw.surface_plot import plot_surface_scene, surface_figure
 from kshell.errors import InputError
@@ -28,11 +29,17 @@ DPI = 150
 
 def plot(result: Result, what: str = "deflection") -> Figure:
     """A picture of a result. See `Result.plot`."""
+    if what == "deflection" and result.analysis in MODAL:
+        what = "modes"
     known = pictures(result)
     if what not in known:
         raise InputError(f'no picture "{what}": {suggestion(what, known)}the pictures are {listing(known)}')
     if what == "load_deflection":
         return path_figure(result)
+    if what == "modes":
+        return modes_figure(result)
+    if what.startswith("mode_"):
+        return mode_figure(result, int(what.removeprefix("mode_")))
     flat = np.ptp(result.mesh.points[:, 2]) <= FLAT * result.mesh.size
     if what == "mesh":
         return (plot_scene if flat else plot_surface_scene)(result.mesh, result.scene, result.title)
@@ -59,5 +66,10 @@ def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], obj
     Of a path the load over the displacements, always; all others if asked.
     """
     names = ["load_deflection"] if result.analysis == "path" and result.probes else []
-    names += [name for name in pictures(result) if plots and name not in names]
+    single = result.analysis in MODAL  # the picture of all modes holds those of each
+    names += [
+        name
+        for name in pictures(result)
+        if plots and name not in names and not (single and name.startswith("mode_"))
+    ]
     return {f"{name}.png": partial(save_picture, result, name) for name in names}

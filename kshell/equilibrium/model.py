@@ -24,6 +24,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.problem import Problem, State
+from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError
 from kshell.result.result import Result
 from kshell.scene.structure import Structure
@@ -128,6 +129,20 @@ class Model(ABC):
             If the element has no membrane forces.
         """
         raise InputError(f"a {self.kind} with the element {self.element} has no membrane forces: {_OTHER}")
+
+    # vibration
+
+    def rigid_modes(self, mass: sp.csr_matrix) -> RigidModes:
+        """Rigid motions that the supports leave, orthonormal in the mass (q, q), by name."""
+        raise InputError(f"a {self.kind} with the element {self.element} has no mass matrix: {_OTHER}")
+
+    def participation(self, vectors: Floats) -> Participation:
+        """How modes (q, mode) take part in rigid motions of the whole."""
+        raise InputError(f"a {self.kind} with the element {self.element} has no mass matrix: {_OTHER}")
+
+    def energies(self, vectors: Floats) -> Floats:
+        """X^T K X (k, k) of motions X (q, k), through strains where the entries of K have lost digits."""
+        return np.asarray(vectors.T @ (self.stiffness() @ vectors))
 
     # loads
 

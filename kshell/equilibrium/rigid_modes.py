@@ -15,11 +15,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
 from kshell.mesh.words import place
 from kshell.solvers.eigenbasis import orthonormal
-from kshell.solvers.system import Floats
+
+Floats = NDArray[np.float64]
 
 # resistance to a motion, relative to the largest one in the part, that counts as none
 LOOSE = 1e-10
@@ -77,7 +79,7 @@ def rigid_modes(
         T.
     mass : (free, free) sparse
         T^T M T.
-    springs : (unknowns, unknowns) sparse, optional
+    springs : (free, free) sparse, optional
     scale : (unknowns,), optional
         By which unknowns of different kinds are divided before they are compared.
     """
@@ -92,7 +94,7 @@ def rigid_modes(
         resisted = scaled - rows @ q
         gram = _relative(resisted.T @ resisted, float((scaled**2).sum(axis=0).max()))
         if springs is not None:
-            stiff = motion.T @ (springs @ motion)
+            stiff = q.T @ (springs @ q)
             gram = gram + _relative(stiff, float(np.abs(stiff).max()))
         value, combination = np.linalg.eigh(gram)
         loose = combination[:, value < LOOSE * max(value[-1], 1.0)]
@@ -204,23 +206,3 @@ def participation(motions: Floats, moving: Floats, basis: Any, vectors: Floats) 
         M R.
     """
     return Participation((basis @ vectors).T @ moving, np.einsum("ux,ux->x", motions, moving))
-
-
-def mac(a: Floats, b: Floats, weight: Any = None) -> Floats:
-    """Modal assurance criterion of vectors (n, i) and (n, j): |a . b|^2 / (a . a b . b), 1 for equal shapes.
-
-    Source: R. J. Allemang, "The modal assurance criterion", Sound and Vibration 37 (2003) 14-21.
-
-    Parameters
-    ----------
-    weight : (n,) array or (n, n) matrix, optional
-        Of the products, such as the mass.
-    """
-    if weight is None:
-        heavy = b
-        own = (a**2).sum(axis=0), (b**2).sum(axis=0)
-    else:
-        times = (lambda x: weight[:, None] * x) if getattr(weight, "ndim", 2) == 1 else (lambda x: weight @ x)
-        heavy = times(b)
-        own = (a * times(a)).sum(axis=0), (b * heavy).sum(axis=0)
-    return np.asarray((a.T @ heavy) ** 2 / np.outer(*own))

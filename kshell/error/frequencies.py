@@ -17,10 +17,12 @@ free edges.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.solvers.pencil import Pencil, Spectrum
-from kshell.solvers.system import Floats
+
+Floats = NDArray[np.float64]
 
 KAPPA = 0.2574  # of Carstensen and Gallistl
 EPS = float(np.finfo(float).eps)
@@ -46,7 +48,7 @@ def softest(bending: Floats) -> Floats:
     """(triangle,) smallest kappa . D kappa / |D^2 w|^2, with |D^2 w|^2 = w_xx^2 + w_yy^2 + 2 w_xy^2."""
     # kappa = S (w_xx, w_yy, sqrt(2) w_xy), S = diag(1, 1, sqrt(2))
     s = np.diag([1.0, 1.0, np.sqrt(2.0)])
-    return np.linalg.eigvalsh(s @ bending @ s)[..., 0]
+    return np.asarray(np.linalg.eigvalsh(s @ bending @ s)[..., 0], dtype=float)
 
 
 def lower_bounds(values: Floats, rounding: Floats, constant: float) -> Floats:

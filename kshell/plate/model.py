@@ -11,7 +11,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.model import NO_DENSITY, Model, Solved
+from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
+from kshell.plate import vibration
 from kshell.plate.answer import motion_fields, recover
 from kshell.plate.assembly import assemble, assemble_load
 from kshell.plate.inertia import Mass
@@ -95,6 +97,15 @@ class PlateModel(Model):
         if not found.diagonal().any():
             raise InputError(NO_DENSITY)
         return found
+
+    def rigid_modes(self, mass: sp.csr_matrix) -> RigidModes:
+        return vibration.rigid_modes_of(self.problem, mass)
+
+    def participation(self, vectors: Floats) -> Participation:
+        return vibration.participation(self.problem, vectors)
+
+    def energies(self, vectors: Floats) -> Floats:
+        return vibration.energies(self.problem, vectors)
 
     def under(self, factors: Sequence[float], motion: float = 1.0) -> PlateModel:
         if self._prepared is None:

@@ -76,7 +76,8 @@ class PlateProblem:
         self.supports: Supports = apply_supports(structure.supports, self.domain, self.layout, self.bending)
         self.loads: Loads = apply_loads(structure.loads, self.domain, self.layout, self.bending, self.section)
         springs = [form for _, form in self.supports.springs]
-        require_held(self.domain, self.layout, self.supports.conditions, springs)
+        if not structure.movable:
+            require_held(self.domain, self.layout, self.supports.conditions, springs)
         shared = shared_slopes(self.domain, element) if len(self.domain.bent) else None
         self.reduction = Reduction(self.layout, self.supports.conditions, shared)
         holds = [form for _, form in self.supports.holds]

@@ -53,12 +53,12 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
         add(slope, member)
     for triangles, rows in zip(conditions.triangles, conditions.triangle_rows, strict=True):
         member = piece[triangles]
-        motion = _rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
+        motion = rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
         add((rows[:, None] @ motion)[:, 0] * sizes[member][:, None], member)
     for spring in springs:
         for positions, triangles in spring.blocks():
             member = piece[triangles]
-            motion = _rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
+            motion = rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
             m = layout.element.transformation(domain.affine(triangles))
             resistance = spring.matrices(positions, m @ motion)
             total = np.zeros((piece_count, 3, 3))
@@ -108,7 +108,7 @@ def _rigid_at_vertices(layout: Layout, vertices: Ints, centre: Floats, size: Flo
     return out
 
 
-def _rigid_of_triangles(
+def rigid_of_triangles(
     domain: Domain, layout: Layout, triangles: Ints, centre: Floats, size: Floats
 ) -> Floats:
     """(n, local, 3) physical degrees of freedom of the three rigid motions in triangles."""

@@ -77,6 +77,11 @@ class Result:
     critical : list of dict
         Limit points and bifurcations passed: kind, factor, the number of the step after it, and whether the path was
         followed, branched or jumped then. Their modes are the fields mode_1, mode_2, ...
+    eigen : list of dict
+        Of modes and buckling, in their order: value, frequency, lower, upper, kind; of modes participation and
+        effective_mass, of rigid ones name. Their shapes are the fields mode_1, mode_2, ...
+    modal : dict
+        Of modes: total_mass (6), and effective_mass (6) of all modes together.
     series : list of (factor, callable)
         Per entry of `path` a function that gives its Result.
     evaluate : callable, optional
@@ -108,6 +113,8 @@ class Result:
     energies: dict[str, float] = field(default_factory=dict)
     path: list[dict[str, Any]] = field(default_factory=list)
     critical: list[dict[str, Any]] = field(default_factory=list)
+    eigen: list[dict[str, Any]] = field(default_factory=list)
+    modal: dict[str, Any] = field(default_factory=dict)
     series: list[tuple[float, Callable[[], Result]]] = field(default_factory=list)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
     error: dict[str, Any] = field(default_factory=no_error_estimate)
@@ -175,7 +182,8 @@ class Result:
             "external_work": self.external_work,
             "reactions": self.reactions,
             "balance": self.balance,
-            "eigen": [],
+            "eigen": self.eigen,
+            **({"modal": self.modal} if self.modal else {}),
             "path": self.path,
             **({"critical": self.critical} if self.critical else {}),
             "error": self.error,
@@ -211,7 +219,7 @@ class Result:
         """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
 
         Of shells also "force_xx", "force_yy", "force_xy", "von_mises_middle" and "von_mises_bottom", drawn on the
-        deformed surface.
+        deformed surface. Of modes and buckling "modes" (a grid of all of them), "mode_1", "mode_2", ... and "mesh".
 
         Returns
         -------

@@ -5,16 +5,19 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from kshell.errors import InputError
-from kshell.result.vtu import write_vtu
+from kshell.result.vtu import write_motion, write_vtu
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
 
+FRAMES = 12  # of one period of a mode
 Writer = Callable[[Path], object]  # writes one file at the path
 
 
@@ -27,25 +30,51 @@ def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, 
     }
     if result.analysis == "path":
         writers |= _series(result)
+    if result.eigen:
+        writers |= _animated(result)
     return write_together(Path(folder), writers | dict(pictures))
 
 
 def _series(result: Result) -> dict[str, Writer]:
     """One .vtu per load step, and the .pvd that lists them by load factor."""
     names = [f"step-{number:04d}.vtu" for number in range(len(result.series))]
-    lines = [
-        f'    <DataSet timestep="{factor:.12g}" part="0" file="{name}"/>'
-        for name, (factor, _) in zip(names, result.series, strict=True)
-    ]
-    text = "\n".join(
-        ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
-        + [*lines, "  </Collection>", "</VTKFile>", ""]
-    )
+    text = _collection([(factor, name) for name, (factor, _) in zip(names, result.series, strict=True)])
     writers: dict[str, Writer] = {
         name: lambda path, make=make: write_vtu(path, make())  # type: ignore[misc]
         for name, (_, make) in zip(names, result.series, strict=True)
     }
     writers["path.pvd"] = lambda path: path.write_text(text, encoding="utf-8")
+    return writers
+
+
+def _collection(entries: Sequence[tuple[float, str]]) -> str:
+    """A .pvd of (time, file)."""
+    lines = [f'    <DataSet timestep="{time:.12g}" part="0" file="{name}"/>' for time, name in entries]
+    return "\n".join(
+        ['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1">', "  <Collection>"]
+        + [*lines, "  </Collection>", "</VTKFile>", ""]
+    )
+
+
+def _animated(result: Result) -> dict[str, Writer]:
+    """Every mode over one period, cos(2 pi t), one after the other: modes.pvd and its .vtu files.
+
+    The largest displacement is a tenth of the size of the structure.
+    """
+    names, lines = {}, []
+    for number in range(1, len(result.eigen) + 1):
+        shape = result.fields[f"mode_{number}"]
+        largest = float(np.linalg.norm(shape, axis=1).max(initial=0.0)) or 1.0
+        for frame in range(FRAMES):
+            name = f"mode-{number:03d}-{frame:02d}.vtu"
+            lines.append((number - 1 + frame / FRAMES, name))
+            names[name] = 0.1 * result.mesh.size / largest * np.cos(2 * np.pi * frame / FRAMES) * shape
+    writers: dict[str, Writer] = {
+        name: lambda path, motion=motion: write_motion(path, result.mesh, motion)  # type: ignore[misc]
+        for name, motion in names.items()
+    }
+    text = _collection(lines)
+    writers["modes.pvd"] = lambda path: path.write_text(text, encoding="utf-8")
     return writers
 
 

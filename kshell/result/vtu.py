@@ -63,6 +63,15 @@ def write_vtu(path: Path, result: Result) -> None:
     meshio.write(path, meshio.Mesh(points, [(kind, cells)], point_data, cell_data), file_format="vtu")
 
 
+def write_motion(path: Path, mesh: Mesh, displacement: Floats) -> None:
+    """Write the mesh with one displacement (vertex, 3), for animations."""
+    import meshio
+
+    data = {"displacement": np.ascontiguousarray(displacement)}
+    cells = [("triangle", mesh.triangles)]
+    meshio.write(path, meshio.Mesh(mesh.points, cells, data), file_format="vtu")
+
+
 def _nodes_of(mesh: Mesh, dimension: int, members: NDArray[np.int32]) -> NDArray[np.int32]:
     if dimension == 0:
         return members

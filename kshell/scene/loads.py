@@ -31,6 +31,8 @@ class Load:
     on : str, tuple of str, (x, y, z) or None
         Where it acts; None is everywhere.
     value : scalar or vector
+    fixed : bool
+        Whether it does not grow in buckling.
     components : int or None
         Length of the vector, None for a scalar.
     dimensions : tuple of int
@@ -42,6 +44,7 @@ class Load:
     dimensions: ClassVar[tuple[int, ...]] = (2,)
     on: Place | None
     value: Any
+    fixed: bool
 
     def at(self, points: ArrayLike) -> NDArray[np.float64]:
         """The value at points (..., 3): (...) for a scalar, (..., components) for a vector."""
@@ -76,6 +79,7 @@ class Pressure(Load):
     value: ScalarValue
     on: On | None = None
     follower: Flag = False
+    fixed: Flag = False
 
     def stretches(self, points: ArrayLike) -> str:
         return "follows the surface" if self.follower else ""
@@ -89,6 +93,7 @@ class Traction(Load):
     components: ClassVar[int | None] = 3
     value: VectorValue
     on: On | None = None
+    fixed: Flag = False
 
 
 @described("load gravity")
@@ -99,6 +104,7 @@ class Gravity(Load):
     components: ClassVar[int | None] = 3
     value: VectorValue
     on: On | None = None
+    fixed: Flag = False
 
 
 @described("load line_force")
@@ -110,6 +116,7 @@ class LineForce(Load):
     components: ClassVar[int | None] = 3
     on: On
     value: VectorValue
+    fixed: Flag = False
 
 
 @described("load edge_moment")
@@ -120,6 +127,7 @@ class EdgeMoment(Load):
     dimensions: ClassVar[tuple[int, ...]] = (1,)
     on: On
     value: ScalarValue
+    fixed: Flag = False
 
 
 @described("load point_force")
@@ -131,6 +139,7 @@ class PointForce(Load):
     components: ClassVar[int | None] = 3
     on: On
     value: VectorValue
+    fixed: Flag = False
 
 
 @described("load point_moment")
@@ -142,6 +151,7 @@ class PointMoment(Load):
     components: ClassVar[int | None] = 3
     on: On
     value: VectorValue
+    fixed: Flag = False
 
     def stretches(self, points: ArrayLike) -> str:
         value = self.at(points)
@@ -167,6 +177,7 @@ class Temperature(Load):
     gradient: ScalarValue = 0.0
     expansion: ScalarValue | None = None
     on: On | None = None
+    fixed: Flag = False
 
     def __post_init__(self) -> None:
         if self.expansion is None:
@@ -202,6 +213,7 @@ class InitialCurvature(Load):
     components: ClassVar[int | None] = 3
     value: VectorValue
     on: On | None = None
+    fixed: Flag = False
 
     def curvature_at(self, points: ArrayLike) -> NDArray[np.float64]:
         """Stress-free (w_xx, w_yy, w_xy) at points (..., 3)."""
@@ -222,6 +234,7 @@ class InitialStrain(Load):
     components: ClassVar[int | None] = 3
     value: VectorValue
     on: On | None = None
+    fixed: Flag = False
 
     def stretches(self, points: ArrayLike) -> str:
         return "stretches it"

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 
 from kshell.errors import InputError
-from kshell.values.validation import Number, described
+from kshell.values.validation import Flag, Number, described
 
 # change of the displacements from which large deflections matter
 TOLERANCE = 0.01
@@ -73,14 +73,31 @@ def _branch(value: Any) -> Any:
     return value
 
 
+def _count(value: Any) -> Any:
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+        raise ValueError("must be a whole number > 0")
+    return value
+
+
+def _range(value: Any) -> Any:
+    if value is None:
+        return None
+    pair = tuple(value) if isinstance(value, list | tuple) else ()
+    plain = all(isinstance(f, int | float) and not isinstance(f, bool) for f in pair)
+    if len(pair) != 2 or not plain or not 0 <= pair[0] < pair[1] < float("inf"):
+        raise ValueError("must be two frequencies that rise, such as [0, 100]")
+    return float(pair[0]), float(pair[1])
+
+
 @described("[solve]")
 class SolveOptions:
     """Options of a solve.
 
     Attributes
     ----------
-    analysis : "static" or "path"
-        Deflection under the loads, or under loads that grow from zero with a factor, through limit points.
+    analysis : "static", "path", "modes" or "buckling"
+        Deflection under the loads, or under loads that grow from zero with a factor, through limit points; natural
+        frequencies; factors by which loads may grow before the structure buckles.
     model : "auto", "plate" or "shell"
         The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
     element : "auto", "morley", "argyris", "hhj" or "koiter"
@@ -103,9 +120,17 @@ class SolveOptions:
     branch : 0, 1 or -1
         Of a path: what to do at its first bifurcation: stay on it, or follow the branch that leaves along the
         critical mode, or against it.
+    count : int, optional
+        How many modes (6 if not given) or buckling factors (3).
+    range : (f1, f2), optional
+        Modes with frequencies in a range, instead of a number of them.
+    prestress : bool
+        Of modes: the loads act before the structure vibrates.
+    error : "auto" or "off"
+        Whether intervals are found for what is computed.
     """
 
-    analysis: Literal["static", "path"] = "static"
+    analysis: Literal["static", "path", "modes", "buckling"] = "static"
     model: Literal["auto", "plate", "shell"] = "auto"
     element: Literal["auto", "morley", "argyris", "hhj", "koiter"] = "auto"
     order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8] = "auto"
@@ -115,6 +140,10 @@ class SolveOptions:
     steps: Annotated[Any, BeforeValidator(_steps)] = "auto"
     control: Annotated[Any, BeforeValidator(_control)] = None
     branch: Annotated[Any, BeforeValidator(_branch)] = 0
+    count: Annotated[Any, BeforeValidator(_count)] = None
+    range: Annotated[Any, BeforeValidator(_range)] = None
+    prestress: Flag = False
+    error: Literal["auto", "off"] = "auto"
 
     @property
     def large_tolerance(self) -> float:

@@ -77,6 +77,8 @@ class Structure:
     offset, direction, imperfection :
         As in a scene.
     title : str
+    movable : bool
+        Whether parts may move as rigid bodies.
     """
 
     space: Mesh
@@ -90,6 +92,7 @@ class Structure:
     direction: Point | None = None
     imperfection: Imperfection | None = None
     title: str = ""
+    movable: bool = False
 
     def on(self, space: Mesh) -> Structure:
         """The same with vertices moved."""

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.scene.places import On, Place, ScalarOrVector, ScalarValue, on_words
-from kshell.values.validation import described
+from kshell.values.validation import Flag, described
 from kshell.values.varying import is_constant, values_at
 
 FREEDOMS = "xyzr"
@@ -33,6 +33,8 @@ class Support:
         The freedoms that are held (or sprung), letters of "xyzr".
     value : scalar, vector or None
         Prescribed translation: a vector, or a scalar for z; None is zero.
+    fixed : bool
+        Whether the prescribed translation does not grow in buckling.
     dimensions : tuple of int
         What it may be on: 0 points, 1 curves, 2 surfaces.
     """
@@ -42,6 +44,7 @@ class Support:
     on: Place
     freedoms: str
     value: Any = None
+    fixed: bool = False
 
     def translation_at(self, points: ArrayLike) -> NDArray[np.float64]:
         """Prescribed translation (..., 3) at points (..., 3); zero where nothing is prescribed."""
@@ -77,6 +80,7 @@ class Clamped(Support):
     on: On
     value: ScalarOrVector | None = None
     freedoms: str = field(default=FREEDOMS, init=False, repr=False)
+    fixed: Flag = False
 
 
 @described("support simply_supported")
@@ -87,6 +91,7 @@ class SimplySupported(Support):
     on: On
     value: ScalarOrVector | None = None
     freedoms: str = field(default="xyz", init=False, repr=False)
+    fixed: Flag = False
 
 
 @described("support symmetry")
@@ -131,6 +136,7 @@ class Fixed(Support):
     freedoms: str = FREEDOMS
     value: ScalarOrVector | None = None
     axes: Any = None
+    fixed: Flag = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "fixed"))

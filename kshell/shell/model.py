@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 from kshell.equilibrium.linear import LinearSolver
 from kshell.equilibrium.model import NO_DENSITY, FiniteModel, Solved
 from kshell.equilibrium.problem import Problem, State
+from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
 from kshell.result.deferred import Deferred
 from kshell.result.result import Result
+from kshell.shell import vibration
 from kshell.shell.answer import FRAME, answer_linear, answer_state, probes_of, small_fields, state_fields
 from kshell.shell.problem import ShellProblem
 
@@ -87,6 +89,15 @@ class ShellModel(FiniteModel):
         every = np.arange(len(self.problem.space.triangles))
         points, _ = self.problem.discretisation.interior_points(every)
         return self.problem.discretisation.mass(self.problem.section.mass(every, points))
+
+    def rigid_modes(self, mass: sp.csr_matrix) -> RigidModes:
+        return vibration.rigid_modes_of(self.problem, mass)
+
+    def participation(self, vectors: Floats) -> Participation:
+        return vibration.participation_of(self.problem, self.full_mass(), vectors)
+
+    def energies(self, vectors: Floats) -> Floats:
+        return vibration.energies(self.problem, vectors)
 
     def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
         return self.problem.reduction.reduce(self.problem.energy.geometric_stiffness(solved.own.stress))

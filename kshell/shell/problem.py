@@ -69,7 +69,8 @@ class ShellProblem:
         )
         self.reduction: Reduction = self.supports.conditions.reduction()
         self.springs: sp.csr_matrix | None = self.supports.springs
-        require_held(self.space, discretisation, self.reduction, self.springs)
+        if not structure.movable:
+            require_held(self.space, discretisation, self.reduction, self.springs)
 
     @cached_property
     def load(self) -> Floats:

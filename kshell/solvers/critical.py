@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.solvers.backends import PARDISO, Singular
@@ -25,7 +26,8 @@ from kshell.solvers.eigen import (
 from kshell.solvers.eigenbasis import canonical, gap_behind
 from kshell.solvers.pencil import Spectrum
 from kshell.solvers.symmetric import factorise_symmetric
-from kshell.solvers.system import Floats
+
+Floats = NDArray[np.float64]
 
 # nu against the largest that is rounding: motions whose stiffness the loads do not change
 UNTOUCHED = 1e-9
@@ -46,7 +48,7 @@ class CriticalPencil(NamedTuple):
 
     stiffness: Any
     geometric: Any
-    energy: Callable[[Floats], Floats] | None = None
+    energy: Callable[[Any], Any] | None = None
 
 
 def factors(pencil: CriticalPencil, count: int) -> Spectrum:
@@ -72,6 +74,8 @@ def factors(pencil: CriticalPencil, count: int) -> Spectrum:
         factor = factorise_symmetric(k, True)
     except Singular as error:
         raise SolveError(f"the stiffness is singular ({error}): the structure can move freely") from error
+    if factor.count_negative():
+        raise SolveError("the stiffness is not positive definite: it is beyond buckling already")
     wanted, solves, note = count + BEYOND, 0, ""
     for attempt in range(1, ATTEMPTS + 1):
         nu, x, used = _lanczos(k, g, wanted, factor.solve, attempt)

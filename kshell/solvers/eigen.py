@@ -17,6 +17,7 @@ theta    eigenvalues of the operator, 1 / (lambda - sigma)
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.errors import InputError, SolveError
 from kshell.solvers.backends import PARDISO, Singular
@@ -24,7 +25,8 @@ from kshell.solvers.eigen_dense import whole
 from kshell.solvers.eigenbasis import gap_behind
 from kshell.solvers.pencil import Pencil, Spectrum, deflated, finished, massive_unknowns
 from kshell.solvers.symmetric import SymmetricFactor, factorise_symmetric
-from kshell.solvers.system import Floats
+
+Floats = NDArray[np.float64]
 
 # up to so many unknowns the matrices are solved whole
 WHOLE = 300
@@ -85,6 +87,7 @@ def in_range(pencil: Pencil, low: float, high: float, most: int) -> Spectrum:
     if pencil.stiffness.shape[0] <= WHOLE:
         found = whole(pencil)
         inside = (found.values >= low) & (found.values < high)
+        found.first = int(np.sum(found.values < low))
         return finished(pencil, found.values[inside], found.vectors[:, inside], found)
     rigid = pencil.rigid.shape[1]
     below, until = (_count_below(pencil, value) for value in (low, high))
@@ -109,6 +112,7 @@ def in_range(pencil: Pencil, low: float, high: float, most: int) -> Spectrum:
         inside = (found.values >= low) & (found.values < high)
         if int(inside.sum()) == wanted:
             found.values, found.vectors, found.checked = found.values[inside], found.vectors[:, inside], True
+            found.first = below - rigid
             return found
     raise SolveError(f"range: {wanted} modes lie in it by count, but {int(inside.sum())} were found")
 
@@ -120,6 +124,7 @@ def _range_uncounted(pencil: Pencil, low: float, high: float, most: int) -> Spec
         found = _near(pencil, count, 0.5 * (low + high))
         if found.values[-1] >= high and (found.values[0] < low or low <= 0.0):
             inside = (found.values >= low) & (found.values < high)
+            found.first = int(np.sum(found.values < low)) if low <= 0.0 else None
             found.values, found.vectors = found.values[inside], found.vectors[:, inside]
             return found
         count *= 2
@@ -196,7 +201,9 @@ def _near(pencil: Pencil, count: int, shift: float, attempt: int = 1) -> Spectru
     """Those next to a shift."""
     factor = _factor(pencil, shift, False)
     values, vectors, used = _lanczos(pencil, count, shift, factor, attempt)
-    return finished(pencil, values, vectors, _spectrum(values, vectors, factor, shift, used))
+    found = _spectrum(values, vectors, factor, shift, used)
+    found.first = None
+    return finished(pencil, values, vectors, found)
 
 
 def _spectrum(

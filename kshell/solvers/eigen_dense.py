@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.solvers.pencil import Pencil, Spectrum, deflated
-from kshell.solvers.system import Floats
+
+Floats = NDArray[np.float64]
 
 # theta against the largest that is nothing but rounding: an unknown without mass
 MASSLESS = 1e-11

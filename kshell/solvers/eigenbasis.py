@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from kshell.solvers.system import Floats
+Floats = NDArray[np.float64]
+
 
 # eigenvalues closer than this, relative, belong to one cluster
 CLUSTER = 1e-6
@@ -62,5 +64,5 @@ def orthonormal(mass: Any, vectors: Floats) -> Floats:
     """M-orthonormal combinations of independent vectors (n, k), by Cholesky factors of their Gram matrix, twice."""
     for _ in range(2):
         gram = vectors.T @ (mass @ vectors)
-        vectors = np.linalg.solve(np.linalg.cholesky(0.5 * (gram + gram.T)), vectors.T).T
+        vectors = np.asarray(np.linalg.solve(np.linalg.cholesky(0.5 * (gram + gram.T)), vectors.T).T, float)
     return vectors

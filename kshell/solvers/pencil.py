@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.solvers.eigenbasis import canonical
-from kshell.solvers.system import Floats
+
+Floats = NDArray[np.float64]
 
 # relative difference of energies by entries and through strains from which vectors are improved
 ROUNDED = 1e-10
@@ -32,8 +34,8 @@ class Pencil(NamedTuple):
     stiffness: Any
     mass: Any
     rigid: Floats
-    energy: Callable[[Floats], Floats] | None = None
-    product: Callable[[Floats], Floats] | None = None
+    energy: Callable[[Any], Any] | None = None
+    product: Callable[[Any], Any] | None = None
 
 
 @dataclass
@@ -56,6 +58,8 @@ class Spectrum:
     solve : callable or None
         The solution with K + shift M, where the matrix is sparse.
     shift : float
+    first : int or None
+        Number of elastic modes below the first one; None where it is not known.
     """
 
     values: Floats
@@ -66,6 +70,7 @@ class Spectrum:
     notes: list[str] = field(default_factory=list)
     solve: Callable[[Any], Any] | None = field(default=None, repr=False)
     shift: float = 0.0
+    first: int | None = 0
 
 
 def massive_unknowns(mass: Any) -> int:

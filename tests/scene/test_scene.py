@@ -127,13 +127,13 @@ def test_a_scene_reads_its_mesh():
         (lambda: scene_on("a.msh", solve={"elemnt": "morley"}), ['did you mean "element"']),
         (lambda: scene_on("a.msh", solve=3), ["solve = 3"]),
         (lambda: ks.solve("plate.toml"), ["not a scene"]),
-        (lambda: ks.solve(scene_on("a.msh"), count=6), ['"count"', "analysis, model, element"]),
+        (lambda: ks.solve(scene_on("a.msh"), number=6), ['"number"', "analysis, model, element"]),
         (lambda: ks.solve(scene_on("a.msh"), element="kirchhoff"), ["'kirchhoff'", "'koiter'"]),
         (lambda: ks.solve(scene_on("a.msh"), model="solid"), ["'solid'", "'shell'"]),
         (lambda: ks.solve(scene_on("a.msh"), order=9), ["order = 9", "8"]),
         (lambda: ks.solve(scene_on("a.msh"), analysis="modes"), ["'modes'", "'static'"]),
         (lambda: ks.solve(scene_on("a.msh"), large_deflection=2), ["true or false"]),
-        (lambda: ks.solve(scene_on("a.msh"), count=3), ['"count"']),
+        (lambda: ks.solve(scene_on("a.msh"), number=3), ['"number"']),
     ],
 )
 def test_impossible_descriptions_are_refused_in_words(make, words):
@@ -147,5 +147,5 @@ def test_public_names():
     for name in ks.__all__:
         assert getattr(ks, name) is not None
     assert set(ks.__all__) <= set(dir(ks))
-    with pytest.raises(AttributeError, match="no attribute 'modes'"):
-        _ = ks.modes
+    with pytest.raises(AttributeError, match="no attribute 'mode'"):
+        _ = ks.mode

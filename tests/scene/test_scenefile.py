@@ -140,7 +140,7 @@ def test_overrides(override, value_of):
         ("thicknes=1", ['did you mean "thickness"']),
         ("chart.R=2", ["[chart]", "kind"]),
         ("chart={kind = 'cylinder', R = -1}", ["[chart]", "R = -1"]),
-        ("solve.count=6", ["[solve]", '"count"', "analysis, model"]),
+        ("solve.number=6", ["[solve]", '"number"', "analysis, model"]),
         ("solve.steps=0", ["steps = 0", "whole number"]),
         ("solve.order=9", ["order = 9"]),
         ("solve.model=solid", ["'solid'", "'shell'"]),

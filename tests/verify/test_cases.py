@@ -22,6 +22,7 @@ EXPECTED_WARNINGS = (
     "flat triangles were curved",
     "the mesh has flat triangles (order 1) on a curved surface",
     "membrane locking",
+    "a cluster: each of its shapes",
 )
 
 

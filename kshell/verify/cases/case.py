@@ -229,6 +229,11 @@ def case(
     )  # fmt: skip
 
 
+def reference_names(id: str) -> dict[str, float]:
+    """The values in an entry of the references, by name."""
+    return dict(_data("references.json")[id]["values"])
+
+
 @cache
 def _data(name: str) -> dict[str, Any]:
     return json.loads((HERE / name).read_text(encoding="utf-8"))

@@ -12,6 +12,7 @@ from kshell.verify.cases import (
     gmsh_shells,
     large,
     materials,
+    modal,
     polygons,
     rectangles,
     unstructured,
@@ -24,7 +25,7 @@ def all_cases() -> tuple[Case, ...]:
     """Every case."""
     families = (
         rectangles, polygons, circular, unstructured, materials, cylinders, doubly_curved, beams, gmsh_shells,
-        large,
+        large, modal,
     )  # fmt: skip
     return tuple(one for family in families for one in family.cases())
 

@@ -1,0 +1,173 @@
+"""Natural frequencies and modes, of plates with bounds, also of structures that are free or under load.
+
+    K phi = lambda M phi,      lambda = (2 pi f)^2,      phi^T M phi = 1
+
+K the stiffness at rest; under prestress that of the loaded state, K + G with the geometric stiffness G of its stresses,
+or the tangent at the end of a path of large deflections.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.analysis.intervals import Plate, plate_intervals, shell_intervals, unknown
+from kshell.analysis.modal_result import modal_result
+from kshell.analysis.prestress import Prestress, prestressed
+from kshell.analysis.run import Run, described
+from kshell.equilibrium.model import Model
+from kshell.equilibrium.rigid_modes import RigidModes
+from kshell.errors import InputError
+from kshell.plate.model import PlateModel
+from kshell.result.result import Result
+from kshell.scene.supports import Symmetry
+from kshell.solvers.eigen import in_range, smallest
+from kshell.solvers.pencil import Pencil, Spectrum
+
+Floats = NDArray[np.float64]
+
+COUNT = 6
+# so many modes in a range are refused
+MOST = 500
+# Ritz values beyond those asked for, from which sharp bounds choose their trial functions
+TRIALS = 7
+# eigenvalues below this part of the first elastic one in size are rounding
+ZERO = 1e-9
+
+
+def analyse(model: Model, run: Run) -> Result:
+    """The modes of a model.
+
+    Raises
+    ------
+    InputError
+        If there is no mass, options contradict each other, or there are fewer modes than asked for.
+    SolveError
+        If no answer was reached.
+    """
+    options = run.options
+    with run.clock.stage("assemble"):
+        mass = model.mass()
+        state: Prestress | None = None
+        stiffness = model.stiffness()
+        if options.prestress:
+            state = prestressed(model, run)
+            stiffness = state.stiffness
+        free = np.zeros((model.unknowns, 0))
+        rigid = RigidModes(free, []) if state is not None else model.rigid_modes(mass)
+    with run.clock.stage("solve"):
+        pencil = Pencil(stiffness, mass, rigid.vectors)
+        if state is None:
+            pencil = pencil._replace(energy=model.energies, product=_columns(model))
+        found = solve_pencil(pencil, run)
+    with run.clock.stage("bounds"):
+        count = count_of(found, run)
+        if options.error == "off" or state is not None:
+            known = unknown(len(found.values))
+        elif isinstance(model, PlateModel):
+            known, plate = plate_intervals(Plate(model, pencil, found), run, count)
+            model, pencil, found = plate.model, plate.pencil, plate.found
+        else:
+            known = shell_intervals(model, found)
+        known = known.only(count)
+    with run.clock.stage("recover"):
+        rigid = rigid._replace(vectors=pencil.rigid)
+        vectors = np.concatenate([rigid.vectors, found.vectors[:, :count]], axis=1)
+        values = np.concatenate([np.zeros(len(rigid.names)), found.values[:count]])
+        result = modal_result(model, vectors)
+        result.eigen = [
+            _entry(value, rigid.names[k] if k < len(rigid.names) else None)
+            for k, value in enumerate(values.tolist())
+        ]
+        share = model.participation(vectors)
+        for k, entry in enumerate(result.eigen):
+            entry["participation"] = share.factors[k].tolist()
+            entry["effective_mass"] = share.effective_mass[k].tolist()
+            if k < len(rigid.names):
+                continue
+            interval = known.of[k - len(rigid.names)]
+            entry |= {"lower": interval.lower, "upper": interval.upper, "kind": interval.kind}
+        result.modal = {
+            "total_mass": share.total.tolist(),
+            "effective_mass": share.effective_mass.sum(axis=0).tolist(),
+        }
+    reasons = [*([] if state is None else state.reasons), *known.reasons]
+    result.warnings += [
+        *found.notes,
+        *([] if state is None else state.warnings),
+        *known.warnings,
+        *_warnings(model, run, values),
+    ]
+    if known.why_not:
+        result.error["why_not"] = known.why_not
+    result.error["kind"] = known.kind
+    result.error["estimate"] = known.width
+    result.error["levels"] = known.levels
+    solver = {"name": found.solver, "why": "shift and invert, by Lanczos' method", "iterations": found.solves}
+    return described(result, model, run, reasons, solver, large=False)
+
+
+def solve_pencil(pencil: Pencil, run: Run) -> Spectrum:
+    """The modes that options ask for, and some more for sharp bounds."""
+    options = run.options
+    if options.range is not None:
+        if options.count is not None:
+            raise InputError("count and range given: a range has all modes in it, leave one of them out")
+        low, high = ((2 * np.pi * f) ** 2 for f in options.range)
+        return in_range(pencil, low, high, MOST)
+    count = COUNT if options.count is None else options.count
+    if options.tolerance is None:
+        return smallest(pencil, count)
+    try:
+        return smallest(pencil, count + TRIALS)
+    except InputError:
+        return smallest(pencil, count)
+
+
+def count_of(found: Spectrum, run: Run) -> int:
+    """How many of the modes found were asked for."""
+    if run.options.range is not None:
+        return len(found.values)
+    return min(COUNT if run.options.count is None else run.options.count, len(found.values))
+
+
+def _columns(model: Model) -> Any:
+    product = model.product()
+
+    def apply(x: Floats) -> Floats:
+        return np.column_stack([product(column) for column in x.T])
+
+    return apply
+
+
+def _entry(value: float, name: str | None) -> dict[str, Any]:
+    frequency = float(np.sqrt(value)) / (2 * np.pi) if value >= 0 else None
+    entry: dict[str, Any] = {
+        "value": value,
+        "frequency": frequency,
+        "lower": None,
+        "upper": None,
+        "kind": "none",
+    }
+    if name is not None:
+        entry |= {"name": name, "lower": 0.0, "upper": 0.0, "kind": "guaranteed"}
+    return entry
+
+
+def _warnings(model: Model, run: Run, values: Floats) -> list[str]:
+    out = []
+    if np.any(values < 0):
+        out.append(
+            f"{int((values < 0).sum())} modes have no frequency (value < 0): under its loads the structure is beyond "
+            "buckling and not stable there"
+        )
+    structure = run.structure
+    if structure.loads and not run.options.prestress:
+        out.append(
+            "the loads do not act in this analysis: prestress = true lets them act before the structure vibrates"
+        )
+    if any(isinstance(placed.item, Symmetry) for placed in structure.supports):
+        out.append("planes of symmetry hold the motion: modes that are not symmetric to them are left out")
+    return out

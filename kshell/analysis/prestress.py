@@ -1,0 +1,135 @@
+"""The stiffness of a structure under load: what its stresses add to the stiffness at rest.
+
+Plates take the membrane forces of a plane-stress solution; shells those, and the moments, of their linear solution, or
+the tangent at the end of a path where large deflections are asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import scipy.sparse as sp
+
+from kshell.analysis.membrane import DEGREE, MembraneState, membrane_state
+from kshell.analysis.path import grow_load
+from kshell.analysis.run import Run
+from kshell.equilibrium.model import FiniteModel, Model, Solved
+from kshell.errors import InputError
+from kshell.plate.assembly import assemble
+from kshell.plate.inertia import Membrane
+from kshell.plate.model import PlateModel
+from kshell.plate.pattern import Pattern
+from kshell.scene.structure import Structure
+
+# entries of a geometric stiffness, against those of the stiffness, that are rounding
+NOTHING = 1e-12
+
+
+@dataclass
+class Prestress:
+    """A stiffness under load.
+
+    Attributes
+    ----------
+    stiffness : (free, free) CSR matrix
+    reasons, warnings : list of str
+    """
+
+    stiffness: sp.csr_matrix
+    reasons: list[str] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+
+@dataclass
+class Stressed:
+    """What some loads do to the stiffness.
+
+    Attributes
+    ----------
+    geometric : (free, free) CSR matrix
+    membrane : MembraneState or None
+        Of plates.
+    solved : Solved or None
+        Of shells.
+    """
+
+    geometric: sp.csr_matrix
+    membrane: MembraneState | None = None
+    solved: Solved | None = None
+
+
+def stressed(model: Model, structure: Structure, factors: Sequence[float], motion: float = 1.0) -> Stressed:
+    """Geometric stiffness of the linear solution under the loads of the structure times factors (load,).
+
+    Raises
+    ------
+    InputError
+        If the loads push a plate away in its plane.
+    SolveError
+        If there is no linear solution.
+    """
+    if isinstance(model, PlateModel):
+        state = membrane_state(structure, factors, motion)
+        return Stressed(plate_geometric(model, state), membrane=state)
+    solved = model.under(factors, motion).solve()
+    return Stressed(model.geometric_stiffness(solved), solved=solved)
+
+
+def plate_geometric(model: PlateModel, state: MembraneState) -> sp.csr_matrix:
+    """Of membrane forces of a plate."""
+    problem = model.problem
+    form = Membrane(problem.domain, problem.element, state.at, DEGREE)
+    pattern = Pattern(problem.reduction)
+    return assemble([form], [], problem.domain, problem.reduction, pattern).matrix
+
+
+def prestressed(model: Model, run: Run) -> Prestress:
+    """The stiffness under all loads of the scene.
+
+    Raises
+    ------
+    InputError
+        If there are no loads, or loads that turn with the surface whose stiffness is not symmetric.
+    SolveError
+        If the loaded state is not found.
+    """
+    structure = run.structure
+    if not structure.loads and all(placed.item.value is None for placed in structure.supports):
+        raise InputError("prestress = true needs loads, or a prescribed motion: the scene has none")
+    if run.options.large_deflection is True:
+        return _on_path(model, run)
+    for placed in structure.loads:
+        if getattr(placed.item, "follower", False):
+            raise InputError(
+                f"{placed.item}: follower = true turns the pressure with the surface: let it act with "
+                "large_deflection = true, or leave follower out"
+            )
+    found = stressed(model, structure, [1.0] * len(structure.loads))
+    stiffness = model.stiffness()
+    out = Prestress((stiffness + found.geometric).tocsr(), ["prestress: the stresses of the linear solution"])
+    if abs(found.geometric).max() <= NOTHING * abs(stiffness).max():
+        out.warnings.append(
+            "prestress: the loads cause no membrane forces, the frequencies are those without them"
+        )
+    return out
+
+
+def _on_path(model: Model, run: Run) -> Prestress:
+    """The tangent at the end of a path of large deflections."""
+    if not isinstance(model, FiniteModel):
+        raise InputError(f"large_deflection = true with prestress is for shells, not for a {model.kind}")
+    trace = grow_load(model, run)
+    if trace.failure is not None:
+        raise trace.failure
+    state, equilibrium = trace.states[-1], model.equilibrium()
+    energy, _, _ = equilibrium.evaluate(state.x, state.factor, 2, state.memory)
+    reduced = equilibrium.reduction.reduce(energy.hessian)
+    if abs(reduced - reduced.T).max() > 1e-9 * abs(reduced).max():
+        raise InputError(
+            "prestress: the stiffness of a pressure that turns with the surface is not symmetric where the edge of the "
+            "surface is free, so there are no modes: leave follower out, or hold the edge"
+        )
+    out = Prestress((0.5 * (reduced + reduced.T)).tocsr())
+    out.reasons.append(f"prestress: the state of large deflections at the load factor {state.factor:g}")
+    return out

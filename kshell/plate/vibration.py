@@ -1,0 +1,126 @@
+"""What vibration needs of a plate beside stiffness and mass: rigid motions, energies through curvatures."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.equilibrium.rigid_modes import Participation, RigidModes, RigidPart, rigid_modes
+from kshell.mesh.words import place
+from kshell.plate.assembly import assemble, residual
+from kshell.plate.inertia import Mass
+from kshell.plate.pattern import Pattern
+from kshell.plate.problem import PlateProblem
+from kshell.plate.product import plane_slopes
+from kshell.plate.rigid import pieces, rigid_of_triangles
+
+Floats = NDArray[np.float64]
+
+# (6, 3): w = 1 is a translation along z, w = y - y_c a turn about x, w = -(x - x_c) one about y
+KINDS = np.array([[0.0, 0, 0], [0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]])
+# unknowns from which rounding of the matrix of quintics shows in frequencies
+ROUNDED_FROM = 5_000
+
+
+class Weights:
+    """Mass of a plate: total, centre and moments of inertia, of pieces and of the whole."""
+
+    def __init__(self, problem: PlateProblem) -> None:
+        self.count, self.piece = pieces(problem.mesh)
+        z = float(problem.mesh.points[0, 2])
+        moments = np.zeros((self.count, 6))  # of 1, x, y, xx, yy, xy
+        for patch in problem.domain.patches(4):
+            height = np.full((*patch.xy.shape[:2], 1), z)
+            density = problem.section.mass(patch.triangles, np.concatenate([patch.xy, height], axis=2))
+            x, y = patch.xy[..., 0], patch.xy[..., 1]
+            parts = np.stack([np.ones_like(x), x, y, x * x, y * y, x * y])
+            here = (parts * patch.weights * density).sum(axis=2).T
+            np.add.at(moments, self.piece[patch.triangles], here)
+        self.moments, self.z = moments, z
+
+    def centre(self, piece: int | None = None) -> Floats:
+        """(3,) of mass, of a piece or the whole."""
+        m = self.moments.sum(axis=0) if piece is None else self.moments[piece]
+        return np.array([m[1] / m[0], m[2] / m[0], self.z])
+
+    def total(self) -> Floats:
+        """(6,) mass along x, y, z, moments of inertia about x, y, z through the centre."""
+        m, c = self.moments.sum(axis=0), self.centre()
+        about_x, about_y = m[4] - m[0] * c[1] ** 2, m[3] - m[0] * c[0] ** 2
+        return np.array([m[0], m[0], m[0], about_x, about_y, about_x + about_y])
+
+
+def rigid_motions(problem: PlateProblem, centre: Floats, triangles: np.ndarray) -> Floats:
+    """(dof, 3) physical degrees of freedom of the motions of `KINDS` in some triangles, zero elsewhere."""
+    layout = problem.layout
+    n = len(triangles)
+    about = np.broadcast_to(centre[:2], (n, 2))
+    local = rigid_of_triangles(problem.domain, layout, triangles, about, np.ones(n))  # 1, x - x_c, y - y_c
+    out = np.zeros((layout.count, 3))
+    out[layout.triangle_dofs(triangles)] = np.stack([local[..., 0], local[..., 2], -local[..., 1]], axis=-1)
+    return out
+
+
+def rigid_modes_of(problem: PlateProblem, mass: sp.csr_matrix) -> RigidModes:
+    """The rigid motions that the supports leave, piece by piece."""
+    weights, mesh = Weights(problem), problem.mesh
+    parts = []
+    for number in range(weights.count):
+        inside = np.flatnonzero(weights.piece == number)
+        corners = mesh.points[mesh.triangles[inside]].reshape(-1, 3)
+        centre = weights.centre(number)
+        where = ""
+        if weights.count > 1:
+            where = f" of the piece around {place(corners.mean(axis=0)[:2])}"
+        size = float(np.linalg.norm(np.ptp(corners, axis=0)))
+        parts.append(RigidPart(rigid_motions(problem, centre, inside), KINDS, centre, size, where))
+    springs = None
+    if problem.supports.springs:
+        forms = [form for _, form in problem.supports.springs]
+        springs = assemble(forms, [], problem.domain, problem.reduction, Pattern(problem.reduction)).matrix
+    return rigid_modes(parts, problem.reduction.matrix(), mass, springs, problem.layout.scale)
+
+
+def participation(problem: PlateProblem, vectors: Floats) -> Participation:
+    """Of modes (free, mode) in motions of the whole; a plate has none in its plane."""
+    weights = Weights(problem)
+    every = np.arange(len(problem.mesh.triangles))
+    motions = rigid_motions(problem, weights.centre(), every)
+    form = Mass(problem.domain, problem.element, problem.section)
+    moving = np.stack(
+        [residual([form], [], problem.domain, problem.reduction, d, every) for d in motions.T], axis=1
+    )
+    factors = np.zeros((vectors.shape[1], 6))
+    factors[:, 2:5] = vectors.T @ (problem.reduction.matrix().T @ moving)
+    return Participation(factors, weights.total())
+
+
+def energies(problem: PlateProblem, vectors: Floats) -> Floats:
+    """X^T K X of motions X (free, k), through curvatures where the entries of K have lost digits.
+
+    See `kshell.plate.product`: the plane through the vertices of each triangle is taken off first.
+    """
+    if problem.element.maxdeg == 2 or problem.reduction.count < ROUNDED_FROM:
+        return np.asarray(vectors.T @ (problem.assembled.matrix @ vectors))
+    mesh, layout, domain = problem.mesh, problem.layout, problem.domain
+    d = problem.reduction.matrix() @ vectors
+    step, k = layout.per_vertex, vectors.shape[1]
+    out = np.zeros((k, k))
+    for block in domain.blocks():
+        local = d[layout.triangle_dofs(block)]  # (triangle, dof, k)
+        corners, affine = domain.points[mesh.triangles[block]], domain.affine(block)
+        for mode in range(k):
+            slope = plane_slopes(corners, local[:, : 3 * step : step, mode])
+            for vertex in range(3):
+                local[:, vertex * step + 1 : vertex * step + 3, mode] -= slope
+            local[:, 3 * step :, mode] -= (affine.normals @ slope[:, :, None])[..., 0]
+        local[:, : 3 * step : step] = 0.0
+        matrices = problem.bending.matrices(block, layout.element.transformation(affine))
+        forces = matrices @ local
+        out += np.tensordot(local, forces, axes=([0, 1], [0, 1]))
+    others = [form for form in problem.forms if form is not problem.bending]
+    if others:
+        rest = assemble(others, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
+        out += vectors.T @ (rest @ vectors)
+    return out

@@ -1,0 +1,157 @@
+"""Buckling of scenes: classical loads of plates and shells, signs, loads that do not grow, and what is refused."""
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from tests.analysis.test_modes import square
+
+P = np.pi**2
+
+
+def press(x, y=0.0, shear=0.0, **more):
+    """Uniform N_xx = -x, N_yy = -y, N_xy = shear in units of pi^2 on the unit square."""
+    x, y, s = P * x, P * y, P * shear
+    forces = {"x0": (x, -s), "x1": (-x, s), "y0": (-s, y), "y1": (s, -y)}
+    return [ks.LineForce(on, (*f, 0.0), **more) for on, f in forces.items() if any(f)]
+
+
+def clamped_across(*sides):
+    return [ks.Fixed(side, "zr") for side in sides]
+
+
+def factors(result):
+    return np.array([e["value"] for e in result.eigen])
+
+
+@pytest.mark.parametrize(
+    ("held", "loads", "known"),
+    [
+        ("SSSS", press(1), [4.0, 6.25, 100 / 9]),
+        ("SSSS", press(1, 1), [2.0, 5.0, 5.0]),
+        ("SSSS", press(0, 0, 1), [9.324520262, -9.324520262, 11.54590942]),
+        ("SSSS", press(-1, -1), [-2.0, -5.0, -5.0]),
+    ],
+)
+def test_supported_square(held, loads, known):
+    result = ks.buckling(square(held, n=12, loads=loads))
+    assert factors(result) == pytest.approx(known, rel=1e-6)
+    assert result.eigen[0]["frequency"] is None
+    assert result.to_dict()["analysis"] == "buckling"
+    assert np.linalg.norm(result.fields["mode_1"], axis=1).max() == pytest.approx(1.0)
+
+
+def test_clamped_square():
+    scene = square("FFFF", n=12, more=clamped_across("x0", "x1", "y0", "y1"), loads=press(1))
+    assert factors(ks.buckling(scene)) == pytest.approx([10.073948, 11.61011278, 19.46501655], rel=2e-5)
+
+
+def test_uniform_compression_has_guaranteed_intervals():
+    result = ks.buckling(square("SSSS", loads=press(1)))
+    for entry, known in zip(result.eigen, [4.0, 6.25, 100 / 9], strict=True):
+        assert entry["kind"] == "guaranteed"
+        assert entry["lower"] < known < entry["upper"]
+        assert entry["lower"] > 0.8 * known
+
+
+@pytest.mark.parametrize("loads", [press(0, 0, 1), press(1, -0.5)])
+def test_states_with_tension_are_estimated(loads):
+    result = ks.buckling(square("SSSS", loads=loads))
+    assert {e["kind"] for e in result.eigen} == {"estimated"}
+    assert any("tensile" in words for words in result.model["reasons"])
+
+
+def test_no_interval_where_none_is_asked_for():
+    result = ks.buckling(square("SSSS", loads=press(1)), error="off")
+    assert {e["kind"] for e in result.eigen} == {"none"}
+
+
+def test_loads_that_do_not_grow():
+    """N_y fixed at half its critical value: k_x + k_y = 4 for the first shape of the square, so k_x = 4 - k_y."""
+    loads = [*press(1), *press(0, 1, fixed=True)]
+    assert factors(ks.buckling(square("SSSS", n=12, loads=loads)))[0] == pytest.approx(3.0, rel=1e-6)
+
+
+def test_fixed_loads_beyond_buckling():
+    loads = [*press(1), *press(0, 5, fixed=True)]
+    with pytest.raises(ks.SolveError, match="fixed = true alone are beyond buckling"):
+        ks.buckling(square("SSSS", loads=loads))
+
+
+def test_shortened_plate_buckles_at_its_stress():
+    """Ends moved towards each other by d, sides free to bulge: N_x = - E t d / a."""
+    thickness = 0.01
+    ends = [ks.Fixed("x0", "x"), ks.Fixed("x1", "x", value=(-1.0, 0.0, 0.0))]
+    result = ks.buckling(square("SSSS", n=12, more=ends, thickness=thickness))
+    stress = 12 * (1 - 0.3**2) / thickness**2  # E t, the force per length at a strain of 1
+    assert factors(result)[0] == pytest.approx(4 * P / stress, rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [2, 3])
+def test_flat_shell_buckles_as_the_plate(order):
+    scene = square("SSSS", n=8, loads=press(1), thickness=0.005)
+    assert factors(ks.buckling(scene, model="shell", order=order, count=1)) == pytest.approx([4.0], rel=5e-3)
+
+
+def test_euler_column_of_a_shell():
+    """Clamped at one end, nu = 0: pi^2 E I / (4 L^2)."""
+    mesh = ks.geometry.Plane().mesh(16, 2, 1, ("x0", "x1", "y0", "y1"), (0, 10), (0, 1), "alternate")
+    scene = ks.Scene(
+        mesh=mesh, thickness=0.1, material=ks.Isotropic(E=12e3, nu=0.0), supports=[ks.Clamped("x0")],
+        loads=[ks.LineForce("x1", (-1.0, 0, 0))],
+    )  # fmt: skip
+    result = ks.buckling(scene, count=1)
+    assert factors(result) == pytest.approx([np.pi**2 / 400], rel=1e-5)
+    assert factors(ks.buckling(scene, model="shell", count=1)) == pytest.approx([np.pi**2 / 400], rel=1e-3)
+
+
+def test_cylinder_under_axial_load_is_near_the_classical_stress_and_clustered():
+    """sigma = E t / (R sqrt(3 (1 - nu^2))); its shapes lie close together."""
+    r, t, e, nu = 1.0, 0.02, 1.0, 0.3
+    mesh = ks.geometry.Cylinder(R=r).mesh(12, 12, 2, ("u0", "u1", "v0", "v1"), (0, np.pi / 2), (0, 0.75))
+    classical = e * t**2 / (r * np.sqrt(3 * (1 - nu**2)))
+    scene = ks.Scene(
+        mesh=mesh, thickness=t, material=ks.Isotropic(E=e, nu=nu),
+        supports=[ks.Symmetry("u0"), ks.Symmetry("u1"), ks.Fixed("v0", "z"), ks.Symmetry("v0")],
+        loads=[ks.LineForce("v1", (0, 0, -classical))],
+    )  # fmt: skip
+    result = ks.buckling(scene, count=4, order=3)
+    first = factors(result)
+    assert 0.3 < first[0] < 1.1
+    assert np.all(first > 0)
+
+
+def test_deflection_before_buckling_is_warned_of():
+    loads = [*press(1), ks.Pressure(400.0)]
+    result = ks.buckling(square("SSSS", loads=loads, thickness=0.01))
+    assert any("before it buckles" in words for words in result.warnings)
+
+
+def test_stretched_plate_says_that_it_does_not_buckle():
+    result = ks.buckling(square("SSSS", loads=press(-1)))
+    assert any("no factor is positive" in words for words in result.warnings)
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "message"),
+    [
+        (square("SSSS"), {}, "there is no load"),
+        (square("SSSS", loads=press(1, fixed=True)), {}, "no load grows"),
+        (square("SSSS", loads=press(1)), {"prestress": True}, "prestress is for vibration"),
+        (square("SSSS", loads=press(1)), {"range": (0, 1)}, "range is for vibration"),
+        (square("CCCC", loads=press(1)), {}, 'acts along what support clamped on "x0" holds'),
+        (
+            square("SSSS", loads=[ks.LineForce("x1", (-1.0, 0, 0))]),
+            {},
+            "not in equilibrium.*translation along x",
+        ),
+    ],
+)
+def test_refused(scene, options, message):
+    with pytest.raises(ks.InputError, match=message):
+        ks.buckling(scene, **options)
+
+
+def test_loads_across_the_plate_do_not_buckle_it():
+    with pytest.raises(ks.SolveError, match="no membrane forces"):
+        ks.buckling(square("CCCC", loads=[ks.Pressure(1.0)]))

@@ -1,0 +1,207 @@
+"""Natural frequencies of scenes: known values, intervals around them, rigid motions, prestress, and what is refused."""
+
+import numpy as np
+import pytest
+
+import kshell as ks
+
+NU = 0.3
+SIDES = ("x0", "x1", "y0", "y1")
+KINDS = {"C": ks.Clamped, "S": ks.SimplySupported, "Y": ks.Symmetry}
+CLAMPED = np.array([35.98519112, 73.39384552, 73.39384552, 108.2165017, 131.5807726, 132.2047902]) ** 2
+FREE = np.array([13.46819742, 19.59613732, 24.27020109, 34.80089130]) ** 2
+
+
+def square(held, n=8, more=(), loads=(), thickness=1.0, density=1.0, **options):
+    """Unit square of bending stiffness 1 and mass 1 per area, held by letters in the order of SIDES."""
+    mesh = ks.geometry.Plane().mesh(n, n, 1, SIDES, (0, 1), (0, 1), "alternate")
+    material = ks.Isotropic(E=12 * (1 - NU**2) / thickness**3, nu=NU, density=density / thickness)
+    supports = [KINDS[k](on) for on, k in zip(SIDES, held, strict=True) if k != "F"]
+    return ks.Scene(
+        mesh=mesh, thickness=thickness, material=material, supports=[*supports, *more], loads=list(loads), solve=options
+    )  # fmt: skip
+
+
+def values(result):
+    return np.array([e["value"] for e in result.eigen if "name" not in e])
+
+
+def test_entries_of_a_clamped_square():
+    result = ks.modes(square("CCCC"))
+    assert values(result) == pytest.approx(CLAMPED, rel=1e-4)
+    first = result.eigen[0]
+    assert set(first) == {"value", "frequency", "lower", "upper", "kind", "participation", "effective_mass"}
+    assert first["frequency"] == pytest.approx(np.sqrt(first["value"]) / (2 * np.pi))
+    for entry, known in zip(result.eigen, CLAMPED, strict=True):
+        assert entry["kind"] == "guaranteed"
+        assert entry["lower"] < known < entry["upper"]
+        assert np.square(entry["participation"]) == pytest.approx(entry["effective_mass"])
+    assert result.modal["total_mass"][:3] == pytest.approx([1.0, 1.0, 1.0])
+    assert 0.6 < result.modal["effective_mass"][2] < 1.0
+    assert result.fields["mode_1"].shape == (81, 3)
+    assert result.to_dict()["eigen"][0] == first
+    assert result.to_dict()["analysis"] == "modes"
+
+
+def test_modes_have_unit_mass():
+    """phi^T M phi = 1: for the first mode of a supported square, 2 sin(pi x) sin(pi y)."""
+    result = ks.modes(square("SSSS"), count=1)
+    w = result.fields["mode_1"][:, 2]
+    assert np.abs(w).max() == pytest.approx(2.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+def test_sharp_intervals(tolerance):
+    result = ks.modes(square("CCCC"), tolerance=tolerance)
+    for entry, known in zip(result.eigen, CLAMPED, strict=True):
+        assert entry["kind"] == "guaranteed"
+        assert entry["lower"] <= known * (1 + 2e-8)  # the last digit of the known value
+        assert entry["upper"] >= known * (1 - 2e-8)
+        assert entry["upper"] - entry["lower"] <= tolerance * entry["value"]
+    assert result.error["estimate"] <= tolerance
+    assert result.error["levels"][-1]["half_width"] <= 0.5 * tolerance
+
+
+def test_exact_values_lie_in_sharp_intervals_of_a_supported_square():
+    exact = np.pi**4 * np.array([4.0, 25, 25, 64, 100, 100, 169, 169, 289, 289])
+    result = ks.modes(square("SSSS"), count=10, tolerance=1e-5)
+    for entry, known in zip(result.eigen, exact, strict=True):
+        assert entry["lower"] < known < entry["upper"]
+
+
+def test_free_square_has_three_rigid_motions():
+    result = ks.modes(square("FFFF"), count=4, tolerance=1e-5)
+    assert [e.get("name") for e in result.eigen[:4]] == [
+        "translation along z", "rotation about x", "rotation about y", None
+    ]  # fmt: skip
+    assert [e["value"] for e in result.eigen[:3]] == [0.0, 0.0, 0.0]
+    assert values(result) == pytest.approx(FREE, rel=1e-6)
+    for entry, known in zip(result.eigen[3:], FREE, strict=True):
+        assert entry["kind"] == "guaranteed"
+        assert entry["lower"] < known * (1 + 3e-8)
+        assert entry["upper"] > known * (1 - 3e-8)
+
+
+def test_free_shell_has_six_rigid_motions_and_the_same_bending():
+    result = ks.modes(square("FFFF", thickness=0.01), model="shell", order=3, count=4)
+    assert [e["name"] for e in result.eigen[:6]] == [
+        *(f"translation along {a}" for a in "xyz"), *(f"rotation about {a}" for a in "xyz")
+    ]  # fmt: skip
+    assert values(result) == pytest.approx(FREE, rel=2e-3)
+    assert result.modal["effective_mass"] == pytest.approx(result.modal["total_mass"], rel=1e-9)
+    assert {e["kind"] for e in result.eigen[6:]} == {"estimated"}
+
+
+def test_thin_cylinder_keeps_its_digits():
+    """Bending of a thin ring of width 1: omega^2 = n^2 (n^2 - 1)^2 / (n^2 + 1) D' / (mu R^4), at t / R = 1e-4.
+
+    The ring is free and nu = 0, so that its cross-section does not warp.
+    """
+    t = 1e-4
+    mesh = ks.geometry.Cylinder(R=1.0).mesh(48, 1, 2, ("a", "b", "c", "d"), (0, np.pi / 2), (0, 0.2))
+    scene = ks.Scene(
+        mesh=mesh, thickness=t, material=ks.Isotropic(E=12.0 / t**2, nu=0.0, density=1.0 / t),
+        supports=[ks.Symmetry(["a"]), ks.Symmetry(["b"])],
+    )  # fmt: skip
+    result = ks.modes(scene, count=1, order=3, error="off")
+    n = 2  # D = t, mu = 1: with E t^3 / 12 = t the unit of omega^2 is t
+    expected = n**2 * (n**2 - 1) ** 2 / (n**2 + 1) * t
+    elastic = values(result)
+    assert elastic[0] == pytest.approx(expected, rel=1e-4)
+
+
+def test_range_of_frequencies():
+    low, high = np.sqrt(CLAMPED[0]) / (2 * np.pi) * 1.1, np.sqrt(CLAMPED[3]) / (2 * np.pi) * 1.01
+    result = ks.modes(square("CCCC"), range=(low, high))
+    assert values(result) == pytest.approx(CLAMPED[1:4], rel=1e-4)
+
+
+def test_elastic_support_lets_a_plate_bounce():
+    """A free plate on springs k per area: omega^2 = k / mu for the translation."""
+    everywhere = ks.Elastic("plate", 1e-3)
+    mesh = ks.geometry.Plane().mesh(4, 4, 1, SIDES, (0, 1), (0, 1), "alternate")
+    mesh = ks.Mesh.from_arrays(mesh.points, mesh.triangles, {"plate": mesh.triangles})
+    scene = ks.Scene(
+        mesh=mesh,
+        thickness=1.0,
+        material=ks.Isotropic(E=12 * (1 - NU**2), nu=NU, density=2.0),
+        supports=[everywhere],
+    )
+    result = ks.modes(scene, count=3)
+    assert values(result) == pytest.approx([5e-4] * 3, rel=1e-6)
+    assert all("name" not in entry for entry in result.eigen)
+    assert result.eigen[0]["kind"] == "estimated"
+
+
+def test_hinged_strip_turns_about_its_edge():
+    result = ks.modes(square("SFFF"), count=1)
+    assert result.eigen[0]["name"] == "rotation about y through (0, 0.5)"
+    assert values(result)[0] == pytest.approx(6.643725662**2, rel=1e-5)
+
+
+def test_tension_raises_frequencies_as_buckling_lowers_them():
+    """Supported square under N_x: omega^2 = pi^4 (4 + N_x / (pi^2 D)) for the first mode."""
+    for force in (5.0, -2.0, -3.9):
+        pull = np.pi**2 * force
+        loads = [ks.LineForce("x0", (-pull, 0, 0)), ks.LineForce("x1", (pull, 0, 0))]
+        result = ks.modes(square("SSSS", loads=loads), count=1, prestress=True)
+        assert values(result)[0] == pytest.approx(np.pi**4 * (4 + force), rel=1e-4)
+
+
+def test_beyond_buckling_a_mode_has_no_frequency():
+    push = 5 * np.pi**2
+    loads = [ks.LineForce("x0", (push, 0, 0)), ks.LineForce("x1", (-push, 0, 0))]
+    result = ks.modes(square("SSSS", loads=loads), count=2, prestress=True)
+    assert result.eigen[0]["value"] == pytest.approx(-(np.pi**4), rel=1e-4)
+    assert result.eigen[0]["frequency"] is None
+    assert any("not stable" in words for words in result.warnings)
+
+
+def test_mac_of_two_meshes():
+    fine, coarse = ks.modes(square("CCCF", n=8), count=4), ks.modes(square("CCCF", n=5), count=4)
+    alike = ks.mac(fine, coarse)
+    assert np.diag(alike) == pytest.approx(1.0, abs=5e-2)
+    assert np.abs(alike - np.diag(np.diag(alike))).max() < 0.05
+    assert ks.mac(fine, fine) == pytest.approx(np.eye(4), abs=1e-2)
+
+
+def test_warnings_say_what_does_not_act():
+    result = ks.modes(square("YSSS", loads=[ks.Pressure(1.0)]), count=1)
+    assert any("the loads do not act" in words for words in result.warnings)
+    assert any("planes of symmetry" in words for words in result.warnings)
+
+
+def test_pressure_on_a_flat_plate_is_no_prestress():
+    result = ks.modes(square("CCCC", loads=[ks.Pressure(1.0)]), count=1, prestress=True)
+    assert any("cause no membrane forces" in words for words in result.warnings)
+    assert values(result)[0] == pytest.approx(CLAMPED[0], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("scene", "options", "message"),
+    [
+        (square("CCCC", density=0.0), {}, "no density"),
+        (square("CCCC", density=0.0), {"model": "shell"}, "no density"),
+        (square("CCCC"), {"count": 5000}, "there are only"),
+        (square("CCCC"), {"count": 3, "range": (0, 1)}, "count and range given"),
+        (square("CCCC"), {"count": 0}, "must be a whole number > 0"),
+        (square("CCCC"), {"range": (3, 1)}, "two frequencies that rise"),
+        (square("CCCC"), {"prestress": True}, "prestress = true needs loads"),
+        (square("FFFF"), {"prestress": True}, "not held|needs loads"),
+    ],
+)
+def test_refused(scene, options, message):
+    with pytest.raises(ks.InputError, match=message):
+        ks.modes(scene, **options)
+
+
+def test_mac_needs_modes():
+    static = ks.solve(square("CCCC", n=4, loads=[ks.Pressure(1.0)]), large_deflection=False)
+    with pytest.raises(ks.InputError, match="the second result has no modes"):
+        ks.mac(ks.modes(square("CCCC", n=4), count=1), static)
+
+
+@pytest.mark.parametrize(("key", "value"), [("count", 3), ("range", (0, 1)), ("prestress", True)])
+def test_options_of_modes_are_refused_elsewhere(key, value):
+    with pytest.raises(ks.InputError, match=f"{key} is for analysis"):
+        ks.solve(square("CCCC", n=2, loads=[ks.Pressure(1.0)]), **{key: value})

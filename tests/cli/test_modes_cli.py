@@ -1,0 +1,91 @@
+"""kshell modes and kshell buckling: tables, files, exit codes."""
+
+import json
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.cli.commands import run
+from kshell.mesh.write import write_msh
+
+SCENE = """
+mesh = "plate.msh"
+thickness = 1.0
+[material]
+E = 10.92
+nu = 0.3
+density = {density}
+[[support]]
+on = ["x0", "x1", "y0", "y1"]
+kind = "simply_supported"
+[[load]]
+kind = "line_force"
+on = "x0"
+value = [1, 0, 0]
+[[load]]
+kind = "line_force"
+on = "x1"
+value = [-1, 0, 0]
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    mesh = ks.geometry.Plane().mesh(4, 4, 1, ("x0", "x1", "y0", "y1"), (0, 1), (0, 1))
+    write_msh(mesh, tmp_path / "plate.msh")
+    path = tmp_path / "plate.toml"
+    path.write_text(SCENE.format(density=1.0))
+    return path
+
+
+def test_modes_with_table_and_files(scene, tmp_path, capsys):
+    assert run(["modes", str(scene), "--count", "3", "-o", str(tmp_path / "out"), "--plot"]) == 0
+    out = capsys.readouterr().out
+    assert "Hz" in out
+    assert "proven" in out
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"result.json", "result.vtu", "modes.pvd", "modes.png", "mode-003-11.vtu"} <= written
+    document = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert document["analysis"] == "modes"
+    first = document["eigen"][0]
+    assert first["lower"] < 4 * np.pi**4 < first["upper"]
+    assert document["modal"]["total_mass"][2] == pytest.approx(1.0)
+
+
+def test_buckling_as_json(scene, capsys):
+    assert run(["buckling", str(scene), "--count", "2", "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [e["value"] for e in document["eigen"]] == pytest.approx([4 * np.pi**2, 6.25 * np.pi**2], rel=1e-3)
+
+
+def test_prestress_and_range(scene, capsys):
+    arguments = ["--prestress", "--range", "0,20", "--json", "-"]
+    assert run(["modes", str(scene), *arguments]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["eigen"][0]["value"] == pytest.approx(4 * np.pi**4 - np.pi**2, rel=1e-3)
+    assert max(e["frequency"] for e in document["eigen"]) < 20
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--range", "low"], "two frequencies"),
+        (["--count", "0"], "whole number > 0"),
+        (["--count", "900"], "there are only"),
+    ],
+)
+def test_bad_options(scene, capsys, arguments, words):
+    assert run(["modes", str(scene), *arguments]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_no_density(scene, capsys):
+    scene.write_text(SCENE.format(density=0.0))
+    assert run(["modes", str(scene)]) == 2
+    assert "no density" in capsys.readouterr().err
+
+
+def test_a_mesh_is_not_enough(tmp_path, capsys):
+    assert run(["modes", str(tmp_path / "plate.msh")]) == 2
+    assert "needs a scene file" in capsys.readouterr().err
