@@ -81,7 +81,7 @@ def _on_lines(probes: Mapping[str, Point], mesh: Mesh, fields: Fields) -> list[s
     """Whose values probes have where moments or stresses jump."""
     names, points = list(probes), np.array(list(probes.values()), dtype=float).reshape(-1, 3)
     out = []
-    for k, triangles in fields.differing_sides(points) if names else []:
+    for k, triangles in fields.lines.differing_sides(points) if names else []:
         own, other = (_side(mesh, *triangles[order]) for order in ([0, 1], [1, 0]))
         out.append(
             f"probe {names[k]}: at {place(points[k])} moments or stresses jump; the values are those {own}, where the "

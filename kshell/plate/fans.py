@@ -67,6 +67,8 @@ class Fans:
 def make_fans(domain: Domain, lines: InnerLines) -> Fans:
     """The fans between the lines of a plate."""
     mesh = domain.mesh
+    if not (lines.jump | lines.held).any():
+        return one_fan(mesh)
     ends = _ends(domain, lines)
     at_end = np.zeros(len(mesh.points), dtype=bool)
     at_end[ends] = True

@@ -134,12 +134,12 @@ class ReactionFinder:
 
     def _release_slopes(self, r: Floats) -> Floats:
         """Reaction moments of slopes at curved edges; their rows are taken out of the residual."""
-        reduction = self.reduction
-        moments = np.zeros(len(reduction.slave_edges))
-        for t, chosen in reduction.slaves_by_triangle.items():
+        slaves = self.reduction.slaves
+        moments = np.zeros(len(slaves.edges))
+        for t, chosen in slaves.by_triangle.items():
             dofs = self.layout.triangle_dofs(np.array([t]))[0]
-            rows = reduction.slave_rows[chosen]
-            own = reduction.slave_slots[chosen]
+            rows = slaves.rows[chosen]
+            own = slaves.slots[chosen]
             local = np.array([int(np.flatnonzero(dofs == dof)[0]) for dof in own])
             moments[chosen] = np.linalg.solve(rows[:, local].T, r[own])
             r[dofs] -= moments[chosen] @ rows
@@ -169,11 +169,11 @@ class ReactionFinder:
         t = (ends[:, 1] - ends[:, 0]) / self.domain.mesh.edge_lengths[edges][:, None]
         normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
         moment = r[self.layout.edge_dofs(edges)] * weight
-        bent = np.isin(edges, self.reduction.slave_edges)
+        bent = np.isin(edges, self.reduction.slaves.edges)
         if bent.any():
             patch = self.domain.edge_points(edges[bent], np.array([0.5]), np.ones(1))
             normal[bent] = patch.normal[:, 0]
-            total = np.bincount(self.reduction.slave_edges, slopes, len(self.domain.mesh.edges))
+            total = np.bincount(self.reduction.slaves.edges, slopes, len(self.domain.mesh.edges))
             moment[bent] = total[edges[bent]] * weight[bent]
         return np.array([0.0, (moment * normal[:, 1]).sum(), -(moment * normal[:, 0]).sum()])
 

@@ -23,6 +23,7 @@ from kshell.material.tensors import von_mises
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
+from kshell.plate.line_points import LinePoints
 from kshell.plate.loads import Loads
 from kshell.plate.points import Located, PlatePoints
 from kshell.plate.supports import points_3d
@@ -30,9 +31,6 @@ from kshell.plate.supports import points_3d
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ON_EDGE = 1e-9  # barycentric coordinate up to which a point lies on an edge
-SAME = 1e-9  # stresses that differ by rounding
-DIFFERENT = 1e-4  # part of the largest moment by which moments on both sides of a line differ noticeably
 STEP = 1e-5  # of a triangle's size: differences of a varying stiffness
 
 
@@ -61,7 +59,7 @@ class Fields:
         self.section, self.loads, self.d = section, loads, d
         self.element = layout.element
         self.polynomial_moments = self.element.maxdeg > 2
-        self._jump = jump if jump is not None and jump.any() else None
+        self._jump = jump
 
     def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
         """Derivatives of one order at reference points, (n, point, partial); order 2 is w_xx, w_yy, 2 w_xy."""
@@ -244,68 +242,10 @@ class Fields:
         """For values anywhere."""
         return PlatePoints(self.domain)
 
-    def find(self, points: Floats) -> Located:
-        """The triangles of points (n, 3) or (n, 2); on a line of discontinuity those of the side of larger stress."""
-        found = self.locator.find(np.asarray(points, dtype=float)[:, :2])
-        for k in self._on_lines(found):
-            sides = self.sides(found.triangles[k], found.xy[k])
-            _, *stresses = self._forces_and_stresses(sides, found.xy[k])
-            size = np.max([von_mises(stress) for stress in stresses], axis=0)
-            found.triangles[k] = sides[int(np.argmax(size > (1 - SAME) * size.max()))]
-            found.xi[k] = self.domain.affine(found.triangles[[k]]).reference_coordinates(found.xy[None, [k]])[
-                0
-            ]
-        return found
-
-    def _on_lines(self, found: Located) -> Ints:
-        """Which points lie on a line of discontinuity, or on a vertex of one."""
-        if self._jump is None:
-            return np.zeros(0, dtype=np.int64)
-        x, y = found.xi[:, 0].T
-        at_edge = np.stack([y, 1 - x - y, x], axis=1) < ON_EDGE  # local edges (0, 1), (1, 2), (0, 2)
-        edges = self.domain.mesh.triangle_edges[found.triangles]
-        on_line = (self._jump[edges] & at_edge & ~np.isin(edges, self.domain.bent)).any(axis=1)
-        return np.flatnonzero(on_line | ((at_edge.sum(axis=1) > 1) & self._at_vertex(found)))
-
-    def _at_vertex(self, found: Located) -> NDArray[np.bool_]:
-        """Whether any corner of the triangles has several fans."""
-        several = np.bincount(self.layout.fans.vertex) > 1
-        return np.any(several[self.domain.mesh.triangles[found.triangles]], axis=1)
-
-    def sides(self, triangle: int, xy: Floats) -> Ints:
-        """The triangles that a point (2,) of one of them belongs to, within rounding, in order."""
-        mesh = self.domain.mesh
-        near = np.flatnonzero(np.isin(mesh.triangles, mesh.triangles[triangle]).any(axis=1))
-        xi = self.domain.affine(near).reference_coordinates(np.broadcast_to(xy, (len(near), 1, 2)))[:, 0]
-        depth = np.minimum(xi.min(axis=1), 1 - xi.sum(axis=1))
-        return near[depth > -ON_EDGE]
-
-    def _forces_and_stresses(self, triangles: Ints, xy: Floats) -> tuple[Floats, Floats, Floats]:
-        """(n, 3) moments and stresses at the top and the bottom of some triangles at one point (2,)."""
-        at = np.broadcast_to(xy, (len(triangles), 1, 2))
-        xi = self.domain.affine(triangles).reference_coordinates(at)
-        moment = self.moment(triangles, xi, at)[:, 0]
-        return moment, *self.stresses(moment, triangles, at[:, 0])
-
-    def differing_sides(self, points: Floats) -> list[tuple[int, Ints]]:
-        """Which of some points (n, 3) lie where moments or stresses jump.
-
-        Returns
-        -------
-        list of (point, triangles)
-            The triangle whose values are used, then those whose values differ.
-        """
-        found = self.find(points)
-        out = []
-        for k in self._on_lines(found):
-            sides = self.sides(found.triangles[k], found.xy[k])
-            other = np.zeros(len(sides), dtype=bool)
-            for values in self._forces_and_stresses(sides, found.xy[k]):
-                own = values[sides == found.triangles[k]][0]
-                other |= np.abs(values - own).max(axis=1) > DIFFERENT * np.abs(values).max()
-            if other.any():
-                out.append((int(k), np.concatenate([[found.triangles[k]], sides[other]])))
-        return out
+    @cached_property
+    def lines(self) -> LinePoints:
+        """Which side points on lines of discontinuity belong to."""
+        return LinePoints(self, self._jump)
 
     def at(self, points: Floats) -> dict[str, Floats]:
         """Fields at points (n, 3) or (n, 2), or at the nearest points of the plate.
@@ -316,7 +256,7 @@ class Fields:
             x (n, 3), u (n, 3), rotation (n, 3), M (n, 3), Q (n, 2), stress_top, stress_bottom (n, 3),
             distance (n,) to the point used.
         """
-        found = self.find(points)
+        found = self.lines.find(points)
         w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
         gradient = self.derivatives(found.triangles, found.xi, 1)[:, 0]
         moment, shear = self._forces(found)

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from kshell.errors import InputError
 from kshell.plate.conditions import Conditions, SharedSlopes
 from kshell.plate.layout import Layout
+from kshell.plate.slaves import Slaves
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -95,33 +96,11 @@ class Reduction:
         self.unknown[order] = np.where(in_order, np.cumsum(in_order) - 1, -1)
         self.sizes = np.bincount(layout.node[is_free], minlength=layout.vertex_count + len(layout.mesh.edges))
 
-        self._set_slaves(conditions, shared)
+        self.slaves = Slaves(layout, conditions, shared)
+        self.unknown[self.slaves.slots] = self.unknown[layout.edge_dofs(self.slaves.edges)]
         self.particular = np.zeros(layout.count)
         self.particular[self.slots[present]] = scaled[present] * layout.scale[self.slots[present]]
-        self._fill_slaves(self.particular)
-
-    def _set_slaves(self, conditions: Conditions, shared: SharedSlopes | None) -> None:
-        """Slopes that depend on their triangle; an edge may be asked for twice, by two groups."""
-        local = self.layout.element.count
-        none = np.zeros(0, dtype=np.int64)
-        edges = np.concatenate([*conditions.triangle_edges, none])
-        triangles = np.concatenate([*conditions.triangles, none])
-        rows = np.concatenate([*conditions.triangle_rows, np.zeros((0, local))])
-        if shared is not None:  # behind those that are held, which go first
-            edges = np.concatenate([edges, shared.edges])
-            triangles = np.concatenate([triangles, shared.triangles])
-            rows = np.concatenate([rows, shared.rows])
-        key = edges * len(self.layout.mesh.triangles) + triangles
-        first = np.unique(key, return_index=True)[1]
-        self.slave_edges, self.slave_triangles, self.slave_rows = edges[first], triangles[first], rows[first]
-        second = self.slave_triangles != self.layout.mesh.edge_owner[self.slave_edges, 0]
-        slots = self.layout.edge_dofs(self.slave_edges)
-        if second.any():
-            slots[second] = self.layout.first_side + np.searchsorted(
-                self.layout.bent, self.slave_edges[second]
-            )
-        self.slave_slots = slots
-        self.unknown[slots] = self.unknown[self.layout.edge_dofs(self.slave_edges)]
+        self.slaves.fill(self.particular)
 
     @property
     def _last_place(self) -> int:
@@ -200,26 +179,6 @@ class Reduction:
         place[self.vertices] = np.arange(len(self.vertices))
         return place
 
-    @cached_property
-    def slaves_by_triangle(self) -> dict[int, list[int]]:
-        """Positions in `slave_edges` by triangle."""
-        table: dict[int, list[int]] = {}
-        for k, t in enumerate(self.slave_triangles.tolist()):
-            table.setdefault(t, []).append(k)
-        return table
-
-    def _elimination(self, triangle: int) -> tuple[Ints, Floats, Floats]:
-        """Local slave positions of a triangle, and their rows on the other degrees of freedom and on s."""
-        chosen = self.slaves_by_triangle[triangle]
-        edges = self.layout.mesh.triangle_edges[triangle]
-        first = 3 * self.layout.per_vertex
-        local = np.array([first + int(np.flatnonzero(edges == self.slave_edges[k])[0]) for k in chosen])
-        rows = self.slave_rows[chosen]
-        inverse = np.linalg.inv(rows[:, local])
-        solved: Floats = -inverse @ rows
-        solved[:, local] = 0.0
-        return local, solved, inverse
-
     def local_transform(
         self, triangles: Ints, dofs: Ints, transform: Floats
     ) -> tuple[Floats, NDArray[np.int32]]:
@@ -241,13 +200,8 @@ class Reduction:
         """
         layout, b = self.layout, self.layout.per_vertex
         out = transform
-        if self.slaves_by_triangle:
-            out = out.copy()
-            for k in np.flatnonzero(np.isin(triangles, self.slave_triangles)):
-                local, rows, inverse = self._elimination(int(triangles[k]))
-                own = out[k][:, local]
-                out[k] += own @ rows
-                out[k][:, local] = own @ inverse
+        if self.slaves.by_triangle:
+            out = self.slaves.eliminated(triangles, out)
         out = out * layout.scale[dofs][:, None, :]
         if b == 1:  # nothing to turn: a condition on a single number fixes it
             return out, self.unknown[dofs]
@@ -308,17 +262,8 @@ class Reduction:
         d[self.slots[present]] = (self.bases @ z[:, :, None])[..., 0][present]
         d = d * layout.scale
         fixed = self.particular.copy()
-        self._fill_slaves(d)
+        self.slaves.fill(d)
         return d + fixed
-
-    def _fill_slaves(self, d: Floats) -> None:
-        """Set the edges that depend on their triangle; they hold the common slopes before."""
-        found = d.copy()
-        for t in self.slaves_by_triangle:
-            dofs = self.layout.triangle_dofs(np.array([t]))[0]
-            local, rows, inverse = self._elimination(t)
-            found[dofs[local]] = rows @ d[dofs] + inverse @ d[dofs[local]]
-        d[:] = found
 
     def matrix(self) -> sp.csr_matrix:
         """T as a sparse matrix (dof, unknown), giving physical degrees of freedom."""
@@ -339,21 +284,8 @@ class Reduction:
         value.append(self.bases[keep] * layout.scale[grid_row[keep]])
         shape = (layout.count, self.count)
         t = sp.csr_matrix((np.concatenate(value), (np.concatenate(row), np.concatenate(column))), shape=shape)
-        if self.slaves_by_triangle:
-            kept = np.ones(layout.count)
-            kept[self.slave_slots] = 0.0
-            parts_row, parts_column, parts_value = [], [], []
-            for triangle in self.slaves_by_triangle:
-                dofs = layout.triangle_dofs(np.array([triangle]))[0]
-                local, rows, inverse = self._elimination(triangle)
-                rows[:, local] = inverse
-                parts_row.append(np.repeat(dofs[local], len(dofs)))
-                parts_column.append(np.tile(dofs, len(local)))
-                parts_value.append(rows.ravel())
-            size = (layout.count, layout.count)
-            where = (np.concatenate(parts_row), np.concatenate(parts_column))
-            slaves = sp.csr_matrix((np.concatenate(parts_value), where), shape=size)
-            t = ((sp.diags(kept) + slaves) @ t).tocsr()
+        if self.slaves.by_triangle:
+            t = (self.slaves.matrix() @ t).tocsr()
         return t
 
 
