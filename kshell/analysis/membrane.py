@@ -24,7 +24,7 @@ from kshell.errors import InputError
 from kshell.mesh.select import Selection
 from kshell.plate.domain import Domain
 from kshell.scene.structure import Placed, Structure
-from kshell.scene.supports import Fixed, SimplySupported
+from kshell.scene.supports import Clamped, Fixed, SimplySupported
 from kshell.shell.koiter.model import KoiterModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.reference import lagrange, lattice
@@ -92,7 +92,7 @@ def membrane_state(structure: Structure, factors: Sequence[float], motion: float
     InputError
         If the loads push the plate away in its plane, or act along what is held on their own edge.
     """
-    flat = replace(structure, supports=in_plane(structure), movable=True)
+    flat = replace(structure, supports=plane_only(structure), movable=True)
     model = KoiterModel(flat, ORDER)
     problem = model.problem.under(factors, motion)
     basis = _plane_columns(problem)
@@ -108,6 +108,26 @@ def membrane_state(structure: Structure, factors: Sequence[float], motion: float
     every = np.arange(len(structure.space.triangles))
     nodes = _forces(recovery, every)
     return MembraneState(nodes, model, Domain(structure.space, curved=True))
+
+
+def plane_only(structure: Structure) -> tuple[Placed[Any], ...]:
+    """What the supports hold in the plane, and nothing else."""
+    out = []
+    for placed in in_plane(structure):
+        support = placed.item
+        if not isinstance(support, Clamped | Fixed):
+            out.append(placed)
+            continue
+        letters = "".join(letter for letter in support.freedoms if letter in "xy")
+        if letters:
+            value = support.value
+            if isinstance(value, tuple):
+                value = (value[0], value[1], 0.0)
+            elif value is not None and not callable(value):
+                value = None  # a number prescribes w
+            axes = getattr(support, "axes", None)
+            out.append(replace(placed, item=Fixed(support.on, letters, value, axes)))
+    return tuple(out)
 
 
 def in_plane(structure: Structure) -> tuple[Placed[Any], ...]:

@@ -19,8 +19,10 @@ from kshell.solvers.backends import PARDISO, Singular
 from kshell.solvers.eigen import (
     ATTEMPTS,
     BEYOND,
+    CONVERGED,
     COUNTED_UP_TO,
     NOT_COUNTED,
+    SPACE,
     WHOLE,
 )
 from kshell.solvers.eigenbasis import canonical, gap_behind
@@ -147,7 +149,8 @@ def _lanczos(
             Minv=LinearOperator((size, size), matvec=inverse, dtype=float),
             which="LM",
             v0=start,
-            ncv=min(max(2 * count + 1, 20), size),
+            ncv=min(max(int(SPACE * count), 20), size),
+            tol=CONVERGED,
         )
     except ArpackError as error:
         raise SolveError(

@@ -205,3 +205,39 @@ def test_mac_needs_modes():
 def test_options_of_modes_are_refused_elsewhere(key, value):
     with pytest.raises(ks.InputError, match=f"{key} is for analysis"):
         ks.solve(square("CCCC", n=2, loads=[ks.Pressure(1.0)]), **{key: value})
+
+
+def test_tapered_membrane_in_its_plane():
+    """NAFEMS FV32: 44.623, 130.03, 162.70, 246.05, 379.90, 391.44 Hz."""
+    grid = ks.geometry.Plane().mesh(16, 8, 1, SIDES, (0, 1), (-1, 1), "alternate")
+    x, y = grid.points[:, 0], grid.points[:, 1]
+    points = np.column_stack([10 * x, y * (2.5 - 2 * x)])
+    mesh = ks.Mesh.from_arrays(
+        points, grid.triangles, {"root": grid.edges[grid.groups["x0"].members], "all": grid.triangles}
+    )
+    scene = ks.Scene(
+        mesh=mesh, thickness=0.05, material=ks.Isotropic(E=200e9, nu=0.3, density=8000),
+        supports=[ks.Fixed("root", "xyz"), ks.Fixed("all", "zr")],
+    )  # fmt: skip
+    result = ks.modes(scene, model="shell", order=3, count=6, error="off")
+    known = [44.623, 130.03, 162.70, 246.05, 379.90, 391.44]
+    assert [e["frequency"] for e in result.eigen] == pytest.approx(known, rel=6e-4)
+
+
+@pytest.mark.parametrize(
+    ("held", "known"),
+    [
+        ("FFFF", [1.622, 2.360, 2.922, 4.233, 4.233, 7.416]),
+        ("CFFF", [0.421, 1.029, 2.582, 3.306, 3.753, 6.555]),
+    ],
+)
+def test_thin_square_plates_of_nafems(held, known):
+    """FV12 (free) and FV16 (cantilevered): 10 m x 10 m x 0.05 m of steel, E = 200e9, nu = 0.3, density 8000.
+
+    The targets are up to 1 % above the limit of thin theory, which the cases of `kshell verify` hold to 1e-6.
+    """
+    flexural, area = 200e9 * 0.05**3 / (12 * (1 - NU**2)), 8000 * 0.05
+    unit = np.sqrt(flexural / area) / (2 * np.pi * 100)
+    result = ks.modes(square(held, n=10), count=6, error="off")
+    found = np.sqrt(values(result)) * unit
+    assert found == pytest.approx(known, rel=1.2e-2)
