@@ -51,6 +51,18 @@ class LinePoints:
         on_line = (self._jump[edges] & at_edge & ~np.isin(edges, self.domain.bent)).any(axis=1)
         return np.flatnonzero(on_line | ((at_edge.sum(axis=1) > 1) & self._at_vertex(found)))
 
+    def beyond(self, found: Located) -> tuple[Ints, Ints]:
+        """Points between the ends of edges inside across which nothing jumps, and the triangles on the other side."""
+        x, y = found.xi[:, 0].T
+        at_edge = np.abs(np.stack([y, 1 - x - y, x], axis=1)) < ON_EDGE
+        edges = self.domain.mesh.triangle_edges[found.triangles].astype(np.int64)
+        plain = (self.domain.mesh.edge_counts[edges] > 1) & ~np.isin(edges, self.domain.bent)
+        if self._jump is not None:
+            plain &= ~self._jump[edges]
+        points, local = np.nonzero(at_edge & plain & (at_edge.sum(axis=1) == 1)[:, None])
+        sides = self.domain.sides(edges[points, local])
+        return points, np.where(sides[0] == found.triangles[points], sides[1], sides[0])
+
     def _at_vertex(self, found: Located) -> NDArray[np.bool_]:
         """Whether any corner of the triangles has several fans."""
         several = np.bincount(self.fields.layout.fans.vertex) > 1

@@ -275,9 +275,16 @@ class Fields:
 
     def _forces(self, found: Located) -> tuple[Floats, Floats]:
         if self.polynomial_moments:
-            xy = found.xy[:, None]
-            moment = self.moment(found.triangles, found.xi, xy)[:, 0]
-            return moment, self.shear(found.triangles, found.xi, xy)[:, 0]
+            forces = [
+                f(found.triangles, found.xi, found.xy[:, None])[:, 0] for f in (self.moment, self.shear)
+            ]
+            on_edge, beyond = self.lines.beyond(found)
+            if len(on_edge):  # the mean of both triangles, whichever of them was found
+                xy = found.xy[on_edge, None]
+                xi = self.domain.affine(beyond).reference_coordinates(xy)
+                for own, f in zip(forces, (self.moment, self.shear), strict=True):
+                    own[on_edge] = 0.5 * (own[on_edge] + f(beyond, xi, xy)[:, 0])
+            return forces[0], forces[1]
         x, y = found.xi[:, 0].T
         weights = np.stack([1 - x - y, x, y], axis=1)[:, None]  # (n, 1, corner)
         corners = self.domain.mesh.triangles[found.triangles]

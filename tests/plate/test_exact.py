@@ -211,3 +211,15 @@ def test_hotter_than_needed_warnings_and_in_plane_loads():
         solve(rectangle(4), [ks.Clamped("left")], [ks.EdgeMoment("middle", 1.0)])
     with pytest.raises(ks.InputError, match="follower"):
         solve(rectangle(4), [ks.Clamped("left")], [ks.Pressure(1.0, follower=True)])
+
+
+def test_moments_on_an_edge_inside_do_not_depend_on_the_numbering():
+    """They are the mean of those of both triangles, whichever of them is found."""
+    mesh = rectangle(3)
+    edge = {"edge": mesh.edges[mesh.boundary_edges]}
+    inside = mesh.points[mesh.edges[mesh.edge_counts > 1]].mean(axis=1)
+    orders = (mesh.triangles, mesh.triangles[::-1])
+    meshes = [ks.Mesh.from_arrays(mesh.points, triangles, groups=edge) for triangles in orders]
+    values = [solve(m, [ks.Clamped("edge")], [ks.Pressure("1 + x + 3*y")]).at(inside) for m in meshes]
+    for name in ("M", "Q", "stress_top"):
+        assert np.abs(values[0][name] - values[1][name]).max() < 1e-9 * np.abs(values[0][name]).max()

@@ -9,8 +9,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import kshell.geometry as g
+from kshell.draw import geometry_plot as plot
 from kshell.errors import InputError
-from kshell.geometry import discrete, plot
+from kshell.geometry import discrete
 from verification.geometry.convergence import draw, table
 from verification.geometry.meshes import TorusMesh, lantern, random_sphere, vertex_ring
 
