@@ -20,6 +20,8 @@ from kshell.error import frequencies, goerisch
 from kshell.error.plate_trial import hhj_system, trial_of
 from kshell.errors import InputError, SolveError
 from kshell.mesh.halve import halved
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.refine import bisect, longest_first
 from kshell.plate.model import PlateModel
 from kshell.scene.structure import Structure, resolve
 from kshell.solvers.eigen import smallest
@@ -31,6 +33,9 @@ Floats = NDArray[np.float64]
 FINE_ENOUGH = 20_000
 # triangles up to which the mesh is halved for a tolerance
 FINEST = 20_000
+# share of the width of the intervals whose triangles are cut, and share of triangles from which all are
+BULK = 0.9
+EVERYWHERE = 0.5
 # order of the HHJ element: moments of degree 5, as the Argyris functions
 HHJ_ORDER = 6
 
@@ -168,10 +173,11 @@ def plate_intervals(plate: Plate, run: Run, count: int) -> tuple[Known, Plate]:
     if plate.found.first != 0 or lacking or tolerance is None:
         return _rough(plate, run, lacking), plate
     levels: list[dict[str, Any]] = []
+    mesh = longest_first(plate.model.structure.space)
     coarse = _morley(plate.model, run, len(plate.found.values))  # serves all meshes
     while True:
         begin = time.process_time()
-        known = _sharp(plate, coarse, run, count)
+        known, misfit = _sharp(plate, coarse, run, count)
         width = known.only(count).width
         unknowns = plate.model.unknowns
         levels.append({"unknowns": unknowns, "half_width": None if width is None else 0.5 * width})
@@ -179,22 +185,21 @@ def plate_intervals(plate: Plate, run: Run, count: int) -> tuple[Known, Plate]:
         known.levels = levels
         if width is None or width <= tolerance:
             break
-        mesh = plate.model.structure.space
-        if 4 * len(mesh.triangles) > FINEST:
+        mesh = _refined(mesh, misfit)
+        if len(mesh.triangles) > FINEST:
             known.why_not = (
                 f"tolerance = {tolerance:g} is not reached: the intervals are {width:.1e} wide with {unknowns} "
-                "unknowns, and the mesh is not halved further; refine it at corners where edges meet at more than 180 "
-                "degrees"
+                "unknowns, and the mesh is not refined further"
             )
             known.warnings.append(known.why_not)
             break
-        run.tell(f"bounds: intervals {width:.1e} wide, {unknowns} unknowns; the mesh is halved")
-        structure = bending_only(replace(resolve(run.scene, halved(mesh)), movable=True))
+        run.tell(f"bounds: intervals {width:.1e} wide, {unknowns} unknowns; the mesh is refined")
+        structure = bending_only(replace(resolve(run.scene, mesh), movable=True))
         model = PlateModel(structure, plate.model.element, plate.model.reasons)
         plate = modes_of(model, len(plate.found.values))
     if len(levels) > 1:
         known.reasons.append(
-            f"the mesh was halved {len(levels) - 1} times for the tolerance of {tolerance:g}"
+            f"the mesh was refined {len(levels) - 1} times for the tolerance of {tolerance:g}"
         )
     return known, plate
 
@@ -263,13 +268,28 @@ def _morley_bounds(plate: Plate) -> Floats:
     )
 
 
-def _sharp(plate: Plate, coarse: Plate, run: Run, count: int) -> Known:
-    """With the lower bounds of Lehmann and Goerisch, above rough ones from Morley elements."""
+def _refined(mesh: Mesh, misfit: Floats) -> Mesh:
+    """Cut where most of the width of the intervals comes from; everywhere, where it comes from everywhere.
+
+    Parameters
+    ----------
+    misfit : (triangle,) array
+    """
+    order = np.argsort(-misfit, kind="stable")
+    most = int(np.searchsorted(np.cumsum(misfit[order]), BULK * misfit.sum())) + 1
+    if most > EVERYWHERE * len(misfit):
+        return bisect(mesh, np.arange(len(misfit))).mesh
+    return bisect(mesh, order[:most]).mesh
+
+
+def _sharp(plate: Plate, coarse: Plate, run: Run, count: int) -> tuple[Known, Floats]:
+    """With the lower bounds of Lehmann and Goerisch, above rough ones from Morley elements; and where they are wide."""
+    even = np.ones(len(plate.model.structure.space.triangles))
     model, found = plate.model, plate.found
     if model.element != "argyris":
-        return _rough(plate, run, [])
+        return _rough(plate, run, []), even
     if not (coarse.found.checked and found.checked):
-        return _rough(plate, run, ["that no mode was missed is not confirmed"])
+        return _rough(plate, run, ["that no mode was missed is not confirmed"]), even
     rough = _morley_bounds(coarse)
     rigid = plate.pencil.rigid.shape[1]
     still = np.zeros(rigid)
@@ -280,12 +300,13 @@ def _sharp(plate: Plate, coarse: Plate, run: Run, count: int) -> Known:
         known.reasons.append(
             "no gap was found behind the modes: their lower bounds are those of Morley elements"
         )
-        return known
+        return known, even
     rho = float(rough[trials - rigid])
     trial = trial_of(model.problem, plate.pencil, values[:trials], found.vectors[:, : trials - rigid])
     system = hhj_system(model.problem, HHJ_ORDER, plate.pencil.rigid)
     small = frequencies.rounding(plate.pencil, found)[: trials - rigid]
-    sharp = goerisch.lower_bounds(system, trial, rho)[rigid:]
+    found_bounds = goerisch.lower_bounds(system, trial, rho)
+    sharp = found_bounds.values[rigid:]
     lower = np.maximum(sharp * (1.0 - small), rough[: len(sharp)])
     upper = found.values[: len(sharp)] * (1.0 + small)
     known = Known([Interval(float(a), float(b), "guaranteed") for a, b in zip(lower, upper, strict=True)])
@@ -294,4 +315,4 @@ def _sharp(plate: Plate, coarse: Plate, run: Run, count: int) -> Known:
         f"intervals of frequencies: guaranteed, from Ritz values of Argyris elements and the method of Lehmann and "
         f"Goerisch with {trials} trial functions and moments of degree {HHJ_ORDER - 1}"
     )
-    return known
+    return known, found_bounds.misfit[rigid : rigid + count].sum(axis=0)

@@ -62,6 +62,8 @@ class Trial(NamedTuple):
         (triangle, point, 2) places to u (m, triangle, point).
     mass : (triangle,) array
         mu, constant in each triangle.
+    curvature : callable
+        (triangle, point, 2) places to kappa(u) (m, triangle, point, 3).
     """
 
     values: Floats
@@ -69,6 +71,22 @@ class Trial(NamedTuple):
     inertia: Floats
     at: Callable[[Floats], Floats]
     mass: Floats
+    curvature: Callable[[Floats], Floats]
+
+
+class Lower(NamedTuple):
+    """Lower bounds, and where they come from.
+
+    Attributes
+    ----------
+    values : (m,) array
+    misfit : (m, triangle) array
+        |sigma_i - C kappa(u_i) / lambda_i|^2 in the energy of each triangle, times lambda_i: its sum is about the
+        relative width of the interval.
+    """
+
+    values: Floats
+    misfit: Floats
 
 
 def trial_count(ritz: Floats, rough: Floats, count: int) -> int | None:
@@ -85,8 +103,8 @@ def trial_count(ritz: Floats, rough: Floats, count: int) -> int | None:
     return max(fitting, default=None)
 
 
-def lower_bounds(system: HHJSystem, trial: Trial, rho: float) -> Floats:
-    """(m,) lower bounds of the first m eigenvalues.
+def lower_bounds(system: HHJSystem, trial: Trial, rho: float) -> Lower:
+    """Lower bounds of the first m eigenvalues.
 
     Parameters
     ----------
@@ -114,7 +132,20 @@ def lower_bounds(system: HHJSystem, trial: Trial, rho: float) -> Floats:
     energies = np.array(strains) @ np.array(strains).T
     area = weight * (triangles.area / trial.mass)[:, None]
     every = [_bounds(trial, rho, shift * rho, energies, slack, u, projected, area) for shift in SHIFTS]
-    return np.asarray(np.max(every, axis=0))
+    misfit = _misfit(system, trial, np.array(strains).reshape(len(strains), len(triangles), 3, -1))
+    return Lower(np.asarray(np.max(every, axis=0)), misfit)
+
+
+def _misfit(system: HHJSystem, trial: Trial, strains: Floats) -> Floats:
+    """(m, triangle) distance of moments from those of the trial functions; see `Lower`."""
+    triangles, degree = system.triangles, system.order - 1
+    xi, weight = triangle_rule(TRIAL_DEGREE - 2 + degree)
+    kappa = trial.curvature(triangles.xy(xi))  # (m, triangle, point, 3)
+    polynomials = weight[:, None] * orthonormal(degree, xi)
+    scaled = system.root[:, None, None] * (system.factor @ (np.swapaxes(kappa, -1, -2) @ polynomials))
+    safe = np.where(trial.values > 0, trial.values, np.inf)
+    apart = strains - scaled / safe[:, None, None, None]
+    return np.asarray((apart**2).sum(axis=(2, 3)) * trial.values[:, None])
 
 
 def _bounds(

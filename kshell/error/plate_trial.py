@@ -44,8 +44,13 @@ def trial_of(problem: PlateProblem, pencil: Pencil, values: Floats, vectors: Flo
         rows = matrices.rows(problem.element, affine, affine.reference_coordinates(xy), 0, itself)[:, :, 0]
         return np.moveaxis(rows @ reference, 2, 0)
 
+    def curvature(xy: Floats) -> Floats:
+        rows = matrices.rows(problem.element, affine, affine.reference_coordinates(xy), 2, itself)
+        return np.moveaxis(rows @ reference[:, None], 3, 0)
+
     centres = problem.mesh.points[problem.mesh.triangles].mean(axis=1)[:, None]
-    return Trial(values, energy, q.T @ (pencil.mass @ q), at, problem.section.mass(triangles, centres)[:, 0])
+    mass = problem.section.mass(triangles, centres)[:, 0]
+    return Trial(values, energy, q.T @ (pencil.mass @ q), at, mass, curvature)
 
 
 def hhj_system(problem: PlateProblem, order: int, rigid: Floats) -> HHJSystem:

@@ -241,3 +241,22 @@ def test_thin_square_plates_of_nafems(held, known):
     result = ks.modes(square(held, n=10), count=6, error="off")
     found = np.sqrt(values(result)) * unit
     assert found == pytest.approx(known, rel=1.2e-2)
+
+
+@pytest.mark.parametrize("kind", [ks.Clamped, ks.SimplySupported])
+def test_intervals_of_an_l_shape_close_at_its_corner(kind):
+    """The mesh is refined where the intervals come from; narrower ones lie within wider ones."""
+    from kshell.verify.cases import meshes
+
+    mesh = meshes.l_shape(8, 0)
+    material = ks.Isotropic(E=12 * (1 - NU**2), nu=NU, density=1.0)
+    scene = ks.Scene(mesh=mesh, thickness=1.0, material=material, supports=[kind("edge")])
+    wide, narrow = (ks.modes(scene, count=3, tolerance=t) for t in (0.05, 0.01))
+    for a, b in zip(wide.eigen, narrow.eigen, strict=True):
+        assert a["kind"] == b["kind"] == "guaranteed"
+        assert b["upper"] - b["lower"] <= 0.01 * b["value"]
+        assert a["lower"] <= b["upper"]
+        assert b["lower"] <= a["upper"]
+        assert b["upper"] <= a["upper"] * (1 + 1e-9)
+    # fewer than halving everywhere would take
+    assert len(narrow.mesh.triangles) < 0.5 * 4 ** (len(narrow.error["levels"]) - 1) * len(mesh.triangles)
