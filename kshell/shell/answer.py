@@ -81,7 +81,8 @@ def _answer(
         problem.discretisation, problem.supports, solution, loads, problem.reduction, moved
     )
     energies = _energies(problem, fields.recovery, solution)
-    stretch = problem.energy.section.membrane.max() * np.abs(solution.x).max() ** 2
+    moved = np.abs(solution.x / problem.discretisation.unknown_sizes()).max()
+    stretch = problem.energy.section.membrane.max() * moved**2
     if sum(energies.values()) <= NO_STRAIN * stretch:
         balance = 0.0  # moved along without strain: all forces are rounding
     warnings = problem.warnings()

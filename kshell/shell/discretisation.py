@@ -119,6 +119,10 @@ class Discretisation(ABC):
         """Centre (3,) and size of the shell."""
 
     @abstractmethod
+    def unknown_sizes(self) -> Floats:
+        """(unknowns,) by which they are divided to be compared: 1 of displacements, inverse lengths of others."""
+
+    @abstractmethod
     def vertex_of_unknown(self) -> Ints:
         """(unknowns,) some vertex of the triangles that each unknown belongs to."""
 

@@ -23,6 +23,8 @@ Floats = NDArray[np.float64]
 
 # resistance to a motion, relative to the largest one in the part, that counts as none
 LOOSE = 1e-10
+# the square of a resistance that is rounding, relative to the motion
+UNRESISTED = 1e-24
 # so much of a unit vector is rounding in words
 ROUND = 1e-6
 
@@ -41,7 +43,9 @@ def require_held(
     part = vertex_parts(mesh)
     count = int(part.max()) + 1
     part_of_unknown = part[discretisation.vertex_of_unknown()]
-    basis = reduction.basis
+    # translations, turns and derivatives are compared as displacements: what counts as none has no unit
+    unit = 1.0 / discretisation.unknown_sizes()
+    basis = (sp.diags(unit) @ reduction.basis).tocsc()
     best = splu((basis.T @ basis).tocsc()) if basis.shape[1] else None
     for number in range(count):
         x = mesh.points[part == number]
@@ -49,12 +53,15 @@ def require_held(
         size = float(np.linalg.norm(np.ptp(x, axis=0)))
         motion = discretisation.rigid_motions(centre, size)
         motion[part_of_unknown != number] = 0.0
-        resisted = motion if best is None else motion - basis @ best.solve(basis.T @ motion)
-        gram = _relative(resisted.T @ resisted)
+        scaled = unit[:, None] * motion
+        resisted = scaled if best is None else scaled - basis @ best.solve(basis.T @ scaled)
+        gram = resisted.T @ resisted / float((scaled**2).sum(axis=0).max())
         if springs is not None:
-            gram = gram + _relative(motion.T @ (springs @ motion))
+            stiff = motion.T @ (springs @ motion)
+            largest = np.abs(stiff).max()
+            gram = gram + (stiff / largest if largest > 0 else stiff)
         value, vector = np.linalg.eigh(gram)
-        free = vector[:, value < LOOSE * max(value[-1], 1e-300)]
+        free = vector[:, value < max(LOOSE * value[-1], UNRESISTED)]
         if free.shape[1]:
             where = ""
             if count > 1:
@@ -63,11 +70,6 @@ def require_held(
                     f" (the part of {inside} triangles around {place(x.mean(axis=0))}, one of {count} parts)"
                 )
             raise InputError(_words(free, centre, size, where))
-
-
-def _relative(gram: Floats) -> Floats:
-    largest = np.abs(gram).max()
-    return gram / largest if largest > 0 else gram
 
 
 def _words(free: Floats, centre: Floats, size: float, where: str) -> str:
@@ -115,7 +117,7 @@ def _motion(motion: Floats, centre: Floats, size: float) -> str:
     axis = turn / np.linalg.norm(turn)
     # u = shift + turn x (x - centre) vanishes, but for a part along the axis, on the line through this point
     point = centre + np.cross(turn, shift) / (turn @ turn)
-    words = f"turn about the axis through {place(np.round(point, 12))} along {direction_words(axis)}"
+    words = f"turn about the axis through {place(size * np.round(point / size, 12))} along {direction_words(axis)}"
     along = float(shift @ axis)
     if abs(along) > ROUND * max(np.linalg.norm(shift), np.linalg.norm(turn) * size):
         words += f" while it moves along it by {along / np.linalg.norm(turn):.4g} per radian"

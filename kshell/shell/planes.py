@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -11,12 +13,11 @@ Floats = NDArray[np.float64]
 
 # how far from its plane, against its size, a symmetric or stiffened edge may lie
 PLANAR = 1e-3
-# a plane whose normal, found from interpolated shape, is so close to a coordinate axis is meant to be at right
-# angles to it
-ON_AXIS = 2e-3
 
 
-def plane_normal(x: Floats, what: str, normal: ArrayLike | None, line: Floats | None = None) -> Floats:
+def plane_normal(
+    x: Floats, what: str, normal: ArrayLike | None, line: Callable[[], Floats] | None = None
+) -> Floats:
     """Unit normal of the plane through points (n, 3), which must lie in it.
 
     Parameters
@@ -26,8 +27,8 @@ def plane_normal(x: Floats, what: str, normal: ArrayLike | None, line: Floats | 
         For messages, "a diaphragm".
     normal : (3,), optional
         Given by the user.
-    line : (3,), optional
-        The normal where the points form a straight line, which lies in many planes.
+    line : function, optional
+        Gives the normal (3,) where the points form a straight line, which lies in many planes.
 
     Raises
     ------
@@ -41,7 +42,7 @@ def plane_normal(x: Floats, what: str, normal: ArrayLike | None, line: Floats | 
         if len(size) > 2 and size[1] > PLANAR * size[0]:
             axis = rows[2]
         elif line is not None:
-            axis = line
+            axis = line()
         else:
             raise InputError(f"{what}: the edges form a straight line: give the normal of the plane")
     return axis
@@ -58,13 +59,6 @@ def require_plane(x: Floats, axis: Floats, what: str) -> None:
             f"({x[worst][0]:.6g}, {x[worst][1]:.6g}, {x[worst][2]:.6g}) lies "
             f"{abs(height[worst]):.3g} off the mean: split the group by planes"
         )
-
-
-def snapped(axis: Floats) -> Floats:
-    """The coordinate axis next to a unit vector, or the vector itself where none is close."""
-    nearest = int(np.argmax(np.abs(axis)))
-    unit = np.sign(axis[nearest]) * np.eye(3)[nearest]
-    return unit if np.linalg.norm(axis - unit) < ON_AXIS else axis
 
 
 def within(axis: Floats) -> Floats:

@@ -166,8 +166,11 @@ class _Builder:
 def _planar_pieces(mesh: Mesh, chosen: Selection) -> list[Ints]:
     """A line of symmetry in pieces that may have planes of their own: connected, and split at sharp corners.
 
-    A piece that lies in one plane, not a straight line, stays whole if the surface leaves it across that plane.
+    All of it, or a piece, that lies in one plane, not a straight line, stays whole if the surface leaves it across
+    that plane.
     """
+    if _is_cut(mesh, chosen.members):
+        return [chosen.members]
     pieces = []
     for edges in _connected(mesh, chosen.members, np.zeros(0, dtype=np.int64)):
         pieces += [edges] if _is_cut(mesh, edges) else _connected(mesh, edges, _corners(mesh, edges))

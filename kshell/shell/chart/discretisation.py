@@ -13,6 +13,7 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.shell.chart import loads as chart_loads
+from kshell.shell.chart.edges import vertex_sizes
 from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.initial import initial_strain
 from kshell.shell.chart.matrices import chart_foundation
@@ -141,6 +142,12 @@ class ArgyrisDiscretisation(Discretisation):
             result[:at_vertices, 3 + axis] = np.cross(e, jets).ravel()
             result[at_vertices:, 3 + axis] = np.cross(e, across).ravel()
         return result
+
+    def unknown_sizes(self) -> Floats:
+        """(unknowns,) 1 of displacements, 1 / h and 1 / h^2 of derivatives, h the parameter length of edges."""
+        mesh = self.surface.mesh
+        at_vertices = vertex_sizes(mesh)[:, None] ** -np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+        return np.repeat(np.concatenate([at_vertices.ravel(), 1.0 / mesh.edge_lengths]), 3)
 
     def vertex_of_unknown(self) -> Ints:
         """(unknowns,) the vertex of each unknown, one end for those of edges."""

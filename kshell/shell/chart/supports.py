@@ -10,6 +10,8 @@ c          fixed direction in space
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -27,7 +29,7 @@ from kshell.shell.chart.free_motions import Conditions, free_motions
 from kshell.shell.chart.surface import ChartSurface
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.limits import USE_KOITER
-from kshell.shell.planes import plane_normal, require_plane, snapped, within
+from kshell.shell.planes import plane_normal, require_plane, within
 from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
@@ -161,7 +163,7 @@ class ChartSupports:
 
         The derivative of u across the plane has no part along it, which is exact at any deflection.
         """
-        axis = self._plane(edges, "a symmetry plane", normal, main_conormal(self.surface, edges))
+        axis = self._plane(edges, "a symmetry plane", normal, lambda: main_conormal(self.surface, edges))
         self.along(edges, axis)
         self.rotation(edges, within(axis))
 
@@ -175,13 +177,13 @@ class ChartSupports:
         """The motions left. See `free_motions`."""
         return free_motions(self.surface, self._conditions)
 
-    def _plane(self, edges: ArrayLike, what: str, normal: ArrayLike | None, line: Floats | None) -> Floats:
-        """Normal of the plane of edges, `line` where they form a line."""
+    def _plane(
+        self, edges: ArrayLike, what: str, normal: ArrayLike | None, line: Callable[[], Floats] | None
+    ) -> Floats:
+        """Normal of the plane of edges, `line()` where they form a line."""
         vertices = np.unique(self.surface.mesh.edges[np.asarray(edges)])
         x = self._places(vertices)
         axis = plane_normal(x, what, normal, line)
-        if normal is None:
-            axis = snapped(axis)
         require_plane(x, axis, what)
         return axis
 

@@ -149,6 +149,12 @@ class KoiterDiscretisation(Discretisation):
         low, high = self.surface.nodes.min(axis=0), self.surface.nodes.max(axis=0)
         return 0.5 * (low + high), float(np.linalg.norm(high - low))
 
+    def unknown_sizes(self) -> Floats:
+        """(unknowns,) 1 of displacements, 1 / size of the shell of rotations."""
+        out = np.ones(self.unknowns)
+        out[self.surface.rotation_start :] = 1.0 / self.extent()[1]
+        return out
+
     def vertex_of_unknown(self) -> Ints:
         """(unknowns,) some vertex of the triangles that each unknown belongs to."""
         surface = self.surface

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
-from kshell.shell.koiter.edges import first_triangle
+from kshell.shell.koiter.conormal import across_line, edge_conormals
 from kshell.shell.koiter.free_motions import Conditions, free_motions
 from kshell.shell.koiter.surface import Surface
-from kshell.shell.planes import plane_normal, require_plane, snapped, within
-from kshell.shell.vectors import AXES, cross, norm
+from kshell.shell.planes import plane_normal, require_plane, within
+from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
 
@@ -86,7 +86,8 @@ class Supports:
         Parameters
         ----------
         normal : (3,), optional
-            Normal of the plane. Absent: the direction in which the surface leaves the edges.
+            Normal of the plane. Absent: that of the plane of a curve, and at a straight line the direction in which the
+            surface leaves it.
 
         Raises
         ------
@@ -95,10 +96,7 @@ class Supports:
         """
         conormals = edge_conormals(self.surface, edges)
         x = self.surface.nodes[self.surface.nodes_of_edges(edges)]
-        across = np.linalg.svd(conormals.reshape(-1, 3), full_matrices=False)[2][0]
-        axis = plane_normal(x, "a symmetry plane", normal, across)
-        if normal is None:
-            axis = snapped(axis)
+        axis = plane_normal(x, "a symmetry plane", normal, lambda: across_line(self.surface, edges))
         require_plane(x, axis, "a symmetry plane")
         slope = np.min(np.abs(conormals @ axis))
         if slope < np.cos(np.radians(LARGEST_SLANT)):
@@ -127,13 +125,3 @@ class Supports:
     def reduction(self) -> Reduction:
         """The motions left. See `free_motions`."""
         return free_motions(self.surface, self._conditions)
-
-
-def edge_conormals(surface: Surface, edges: ArrayLike) -> Floats:
-    """Unit vectors in the surface, across the edge and outwards from the first triangle: (n, p, 3)."""
-    p = surface.order
-    edges = np.asarray(edges, dtype=np.int64)
-    place = first_triangle(surface).reshape(-1, p)[edges]
-    x1, x2 = surface.tangents(surface.reference.edge_first)
-    result = cross(surface.edge_tangents, cross(x1, x2))
-    return np.moveaxis((result / norm(result)).reshape(3, -1)[:, place], 0, 2)

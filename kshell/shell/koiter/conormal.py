@@ -1,0 +1,79 @@
+"""The direction in which a surface leaves a straight line, from its shape and nothing else.
+
+A straight line lies in many planes, so the plane of symmetry through it follows from the surface: from quadrics fitted
+to the vertices around those on the line, which are exact on planes, cylinders, cones and all other surfaces of second
+degree however coarse the triangles are. Where they do not fit, as at the flat sides of a prism, the triangles
+themselves say it. No coordinate axis takes part.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from kshell.mesh.curving.fits import QUADRIC, Fits, Neighbourhoods
+from kshell.mesh.curving.sheets import find_sheets
+from kshell.mesh.triangulation import Triangulation
+from kshell.shell.koiter.edges import first_triangle
+from kshell.shell.koiter.surface import Surface
+from kshell.shell.vectors import cross, norm
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+RINGS = 4  # of triangles around the line that are looked at
+CREASE = np.radians(30.0)  # from which neighbours belong to different surfaces
+FITTED = 1e-3  # distance from the quadric, over the size of the neighbourhood, up to which it says more than triangles
+QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])  # of a triangle with mid-edge nodes
+
+
+def edge_conormals(surface: Surface, edges: ArrayLike) -> Floats:
+    """Unit vectors in the surface, across the edge and outwards from the first triangle: (n, p, 3)."""
+    p = surface.order
+    edges = np.asarray(edges, dtype=np.int64)
+    place = first_triangle(surface).reshape(-1, p)[edges]
+    x1, x2 = surface.tangents(surface.reference.edge_first)
+    result = cross(surface.edge_tangents, cross(x1, x2))
+    return np.moveaxis((result / norm(result)).reshape(3, -1)[:, place], 0, 2)
+
+
+def across_line(surface: Surface, edges: ArrayLike) -> Floats:
+    """(3,) unit direction in the surface at right angles to edges that form a straight line, in the mean."""
+    edges = np.asarray(edges, dtype=np.int64)
+    vertices = np.unique(surface.mesh.edges[edges])
+    x = surface.nodes[vertices]
+    line = np.linalg.svd(x - x.mean(axis=0), full_matrices=False)[2][0]
+    normals = _fitted_normals(surface, vertices)
+    directions = edge_conormals(surface, edges).reshape(-1, 3) if normals is None else np.cross(line, normals)
+    mean: Floats = np.linalg.svd(directions, full_matrices=False)[2][0]
+    mean = mean - line * (line @ mean)
+    return mean / np.linalg.norm(mean)
+
+
+def _fitted_normals(surface: Surface, vertices: Ints) -> Floats | None:
+    """(n, 3) normals of quadrics at those vertices that they fit; None where they fit none."""
+    points, triangles = _around(surface, vertices)
+    used, local = np.unique(triangles, return_inverse=True)
+    part = Triangulation(points[used], local.reshape(-1, 3).astype(np.int32))
+    sheets = find_sheets(part, CREASE)
+    wanted = np.flatnonzero(np.isin(used[sheets.vertex], vertices))
+    near = Neighbourhoods(part.points, sheets)
+    fits = Fits(near, QUADRIC)
+    fits.fit(wanted)
+    good = wanted[fits.residual[wanted] <= FITTED * fits.length[wanted]]
+    return fits.normals(good) if len(good) else None
+
+
+def _around(surface: Surface, vertices: Ints) -> tuple[Floats, Ints]:
+    """Vertices and mid-edge nodes, and the triangles between them within some rings of the given vertices."""
+    mesh = surface.mesh
+    inside = np.zeros(len(mesh.points), dtype=bool)
+    inside[vertices] = True
+    for _ in range(RINGS):
+        near = inside[mesh.triangles].any(axis=1)
+        inside[mesh.triangles[near]] = True
+    points, triangles = surface.nodes[: len(mesh.points)], mesh.triangles[near]
+    if mesh.midpoints is None or surface.nodes is not surface.flat_nodes:
+        return points, triangles
+    six = np.concatenate([triangles, mesh.triangle_edges[near] + len(points)], axis=1)
+    return np.concatenate([points, mesh.midpoints]), six[:, QUARTERS].reshape(-1, 3)
