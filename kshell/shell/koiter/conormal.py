@@ -16,6 +16,7 @@ from kshell.mesh.curving.sheets import find_sheets
 from kshell.mesh.triangulation import Triangulation
 from kshell.shell.koiter.edges import first_triangle
 from kshell.shell.koiter.surface import Surface
+from kshell.shell.reference import lattice
 from kshell.shell.vectors import cross, norm
 
 Floats = NDArray[np.float64]
@@ -24,7 +25,6 @@ Ints = NDArray[np.integer]
 RINGS = 4  # of triangles around the line that are looked at
 CREASE = np.radians(30.0)  # from which neighbours belong to different surfaces
 FITTED = 1e-3  # distance from the quadric, over the size of the neighbourhood, up to which it says more than triangles
-QUARTERS = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])  # of a triangle with mid-edge nodes
 
 
 def edge_conormals(surface: Surface, edges: ArrayLike) -> Floats:
@@ -60,20 +60,32 @@ def _fitted_normals(surface: Surface, vertices: Ints) -> Floats | None:
     near = Neighbourhoods(part.points, sheets)
     fits = Fits(near, QUADRIC)
     fits.fit(wanted)
-    good = wanted[fits.residual[wanted] <= FITTED * fits.length[wanted]]
+    fit = fits.determined[wanted] & (fits.residual[wanted] <= FITTED * fits.length[wanted])
+    good = wanted[fit]
     return fits.normals(good) if len(good) else None
 
 
 def _around(surface: Surface, vertices: Ints) -> tuple[Floats, Ints]:
-    """Vertices and mid-edge nodes, and the triangles between them within some rings of the given vertices."""
+    """Nodes of the surface, and the triangles between them within some rings of the given vertices."""
     mesh = surface.mesh
     inside = np.zeros(len(mesh.points), dtype=bool)
     inside[vertices] = True
     for _ in range(RINGS):
         near = inside[mesh.triangles].any(axis=1)
         inside[mesh.triangles[near]] = True
-    points, triangles = surface.nodes[: len(mesh.points)], mesh.triangles[near]
-    if mesh.midpoints is None or surface.nodes is not surface.flat_nodes:
-        return points, triangles
-    six = np.concatenate([triangles, mesh.triangle_edges[near] + len(points)], axis=1)
-    return np.concatenate([points, mesh.midpoints]), six[:, QUARTERS].reshape(-1, 3)
+    if surface.nodes is not surface.flat_nodes:  # all nodes lie on the true surface
+        return surface.nodes, surface.triangle_nodes[near][:, _parts(surface.order)].reshape(-1, 3)
+    points, nodes = mesh.points, mesh.triangles[near]
+    if mesh.midpoints is not None:
+        points = np.concatenate([points, mesh.midpoints])
+        nodes = np.concatenate([nodes, mesh.triangle_edges[near] + len(mesh.points)], axis=1)
+    return points, nodes[:, _parts(mesh.order)].reshape(-1, 3)
+
+
+def _parts(order: int) -> Ints:
+    """(order^2, 3) small triangles between the Lagrange nodes of a triangle."""
+    grid = np.rint(order * lattice(order)).astype(int).tolist()
+    at = {(i, j): k for k, (i, j) in enumerate(grid)}
+    upright = [[at[i, j], at[i + 1, j], at[i, j + 1]] for i, j in at if i + j < order]
+    turned = [[at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]] for i, j in at if i + j < order - 1]
+    return np.array(upright + turned)
