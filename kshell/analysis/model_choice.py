@@ -144,11 +144,13 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
         ("range", options.range is not None),
         ("prestress", options.prestress),
     ):
-        if given and options.analysis not in BENDING:
+        if given and options.analysis not in (*BENDING, "response"):
             raise InputError(
                 f'{key} is for analysis = "modes" (kshell modes) or "buckling" (kshell buckling): leave it out, or '
                 "take one of them"
             )
+    if options.damping and options.analysis != "response":
+        raise InputError('damping is for analysis = "response": leave it out')
     followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
     if followers and options.large_deflection is False and options.analysis == "static":
         raise InputError(

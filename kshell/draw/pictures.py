@@ -40,6 +40,8 @@ SHELL_FIELDS: dict[str, tuple[str, int, str]] = {
 
 def pictures(result: Result) -> tuple[str, ...]:
     """The names of the pictures that a result has."""
+    if result.response:
+        return ("response", "mesh")
     if result.analysis in MODAL:
         return ("modes", *(f"mode_{number}" for number in range(1, len(result.eigen) + 1)), "mesh")
     if result.model.get("kind") != "shell":

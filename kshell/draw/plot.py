@@ -13,6 +13,7 @@ from kshell.draw.field_plot import field_figure
 from kshell.draw.mode_plot import mode_figure, modes_figure
 from kshell.draw.path_plot import path_figure
 from kshell.draw.pictures import MODAL, picture_values, pictures
+from kshell.draw.response_plot import response_figure
 from kshell.draw.scene_plot import plot_scene
 from kshell.draw.surface_plot import plot_surface_scene, surface_figure
 from kshell.errors import InputError
@@ -31,11 +32,15 @@ def plot(result: Result, what: str = "deflection") -> Figure:
     """A picture of a result. See `Result.plot`."""
     if what == "deflection" and result.analysis in MODAL:
         what = "modes"
+    if what == "deflection" and result.response:
+        what = "response"
     known = pictures(result)
     if what not in known:
         raise InputError(f'no picture "{what}": {suggestion(what, known)}the pictures are {listing(known)}')
     if what == "load_deflection":
         return path_figure(result)
+    if what == "response":
+        return response_figure(result)
     if what == "modes":
         return modes_figure(result)
     if what.startswith("mode_"):

@@ -179,6 +179,10 @@ class Model(ABC):
     def motion_fields(self, x: Floats) -> Mapping[str, Floats]:
         """Fields at vertices of a motion x by itself, without loads: displacement (vertex, 3), rotation, ..."""
 
+    def motion_at(self, x: Floats, points: Floats) -> Floats:
+        """(n, 3) displacement of a motion x by itself, at the points of the surface nearest to (n, 3) points."""
+        raise InputError(f"a {self.kind} with the element {self.element} has no response: {_OTHER}")
+
 
 _OTHER = 'take model = "shell" or another element'
 

@@ -98,6 +98,12 @@ def _side(mesh: Mesh, triangle: int, other: int) -> str:
     return f"towards {place(mesh.points[mesh.triangles[triangle]].mean(axis=0))}"
 
 
+def motion_at(problem: PlateProblem, d: Floats, points: Floats) -> Floats:
+    """(n, 3) displacement of a motion without loads at points (n, 3)."""
+    fields = Fields(problem.domain, problem.layout, problem.bending, problem.section, Loads(), d)
+    return np.asarray(fields.at(points)["u"])
+
+
 def motion_fields(problem: PlateProblem, d: Floats) -> Deferred[Floats]:
     """Fields at vertices of a motion without loads."""
     return vertex_fields(Fields(problem.domain, problem.layout, problem.bending, problem.section, Loads(), d))

@@ -14,7 +14,7 @@ from kshell.equilibrium.model import NO_DENSITY, Model, Solved
 from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
 from kshell.plate import vibration
-from kshell.plate.answer import motion_fields, recover
+from kshell.plate.answer import motion_at, motion_fields, recover
 from kshell.plate.assembly import assemble, assemble_load
 from kshell.plate.inertia import Mass
 from kshell.plate.pattern import Pattern
@@ -150,6 +150,9 @@ class PlateModel(Model):
 
     def recover(self, solved: Solved) -> Result:
         return recover(self.problem, solved.x, solved.own)
+
+    def motion_at(self, x: Floats, points: Floats) -> Floats:
+        return motion_at(self.problem, x, points)
 
     def motion_fields(self, x: Floats) -> Deferred[Floats]:
         return motion_fields(self.problem, x)

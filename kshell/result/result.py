@@ -82,6 +82,8 @@ class Result:
         effective_mass, of rigid ones name. Their shapes are the fields mode_1, mode_2, ...
     modal : dict
         Of modes: total_mass (6), and effective_mass (6) of all modes together.
+    response : dict
+        Of harmonic loads: frequency, damping, modes (natural frequencies), and per probe real and imaginary u.
     series : list of (factor, callable)
         Per entry of `path` a function that gives its Result.
     evaluate : callable, optional
@@ -115,6 +117,7 @@ class Result:
     critical: list[dict[str, Any]] = field(default_factory=list)
     eigen: list[dict[str, Any]] = field(default_factory=list)
     modal: dict[str, Any] = field(default_factory=dict)
+    response: dict[str, Any] = field(default_factory=dict)
     series: list[tuple[float, Callable[[], Result]]] = field(default_factory=list)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
     error: dict[str, Any] = field(default_factory=no_error_estimate)
@@ -184,6 +187,7 @@ class Result:
             "balance": self.balance,
             "eigen": self.eigen,
             **({"modal": self.modal} if self.modal else {}),
+            **({"response": self.response} if self.response else {}),
             "path": self.path,
             **({"critical": self.critical} if self.critical else {}),
             "error": self.error,

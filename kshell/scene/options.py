@@ -79,6 +79,14 @@ def _count(value: Any) -> Any:
     return value
 
 
+def _damping(value: Any) -> Any:
+    if value is None:
+        return 0.0
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < 1.0:
+        raise ValueError("must be a ratio between 0 and 1, such as 0.02")
+    return float(value)
+
+
 def _range(value: Any) -> Any:
     if value is None:
         return None
@@ -126,11 +134,13 @@ class SolveOptions:
         Modes with frequencies in a range, instead of a number of them.
     prestress : bool
         Of modes: the loads act before the structure vibrates.
+    damping : float
+        Of a response: ratio of all modes.
     error : "auto" or "off"
         Whether intervals are found for what is computed.
     """
 
-    analysis: Literal["static", "path", "modes", "buckling"] = "static"
+    analysis: Literal["static", "path", "modes", "buckling", "response"] = "static"
     model: Literal["auto", "plate", "shell"] = "auto"
     element: Literal["auto", "morley", "argyris", "hhj", "koiter"] = "auto"
     order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8] = "auto"
@@ -143,6 +153,7 @@ class SolveOptions:
     count: Annotated[Any, BeforeValidator(_count)] = None
     range: Annotated[Any, BeforeValidator(_range)] = None
     prestress: Flag = False
+    damping: Annotated[Any, BeforeValidator(_damping)] = 0.0
     error: Literal["auto", "off"] = "auto"
 
     @property

@@ -126,6 +126,9 @@ class ShellModel(FiniteModel):
     def recover(self, solved: Solved) -> Result:
         return answer_linear(self.problem, solved.own)
 
+    def motion_at(self, x: Floats, points: Floats) -> Floats:
+        return np.asarray(small_fields(self.problem, x).at(points)["u"])
+
     def motion_fields(self, x: Floats) -> Deferred[Floats]:
         return small_fields(self.problem, x).vertex_fields
 
