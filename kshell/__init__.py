@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from kshell.mesh import Mesh
     from kshell.result.mac import mac
     from kshell.result.result import Result
+    from kshell.scene.cases import Case, Combination
     from kshell.scene.imperfection import Imperfection
+    from kshell.scene.line import Line
     from kshell.scene.loads import (
         EdgeMoment,
         Gravity,
@@ -36,7 +38,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Anisotropic",
+    "Case",
     "Clamped",
+    "Combination",
     "EdgeMoment",
     "Elastic",
     "Fixed",
@@ -51,6 +55,7 @@ __all__ = [
     "KshellError",
     "KshellWarning",
     "Layer",
+    "Line",
     "LineForce",
     "Mesh",
     "Orthotropic",
@@ -76,6 +81,8 @@ __all__ = [
 # name: where it lives
 _LAZY = {
     **dict.fromkeys(("Isotropic", "Orthotropic", "Anisotropic"), "kshell.material.materials"),
+    **dict.fromkeys(("Case", "Combination"), "kshell.scene.cases"),
+    "Line": "kshell.scene.line",
     "Imperfection": "kshell.scene.imperfection",
     "Layer": "kshell.material.laminate",
     **dict.fromkeys(

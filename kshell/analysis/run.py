@@ -34,6 +34,8 @@ class Run:
         Where each converged step of a path is written.
     resume : bool
         Go on after the last step in the folder.
+    factors : (load,), optional
+        Of the loads of the structure, of one load case.
     """
 
     scene: Scene
@@ -43,6 +45,7 @@ class Run:
     progress: Stage | None = None
     folder: Path | None = None
     resume: bool = False
+    factors: tuple[float, ...] | None = None
 
     def tell(self, words: str) -> None:
         """Words about the progress."""
@@ -54,7 +57,7 @@ class Run:
         with self.clock.stage("assemble"):
             model = build_model(self.structure, self.options)
             model.prepare()
-        return model
+        return model if self.factors is None else model.under(self.factors)
 
     def on_mesh(self, mesh: Mesh) -> Run:
         """The same run on another mesh with the same groups, as after refining, with a clock of its own."""

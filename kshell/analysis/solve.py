@@ -11,6 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from kshell.analysis.cases import answer_cases
 from kshell.analysis.clock import Clock
 from kshell.analysis.run import Run
 from kshell.errors import InputError, Interrupted, KshellWarning, SolveError
@@ -190,7 +191,7 @@ def answer(
     run = Run(scene, structure, chosen, clock, progress, where, resume)
     analyse = import_module(f"kshell.analysis.{chosen.analysis}").analyse
     try:
-        result: Result = analyse(run.model(), run)
+        result: Result = answer_cases(run, analyse) if scene.cases else analyse(run.model(), run)
     except (SolveError, Interrupted) as error:
         if isinstance(error.state, Result):
             _of_scene(error.state, scene)

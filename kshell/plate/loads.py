@@ -69,11 +69,10 @@ class Loads:
 
     def times(self, factors: Sequence[float]) -> Loads:
         """The same loads times factors, (load,)."""
-        forms = [
-            form.times(float(factors[number])) for form, number in zip(self.forms, self.numbers, strict=True)
-        ]
+        acting = [(f, k) for f, k in zip(self.forms, self.numbers, strict=True) if factors[k] != 0.0]
+        forms = [form.times(float(factors[number])) for form, number in acting]
         curvatures = [form for form in forms if isinstance(form, CurvatureLoad)]
-        return Loads(forms, curvatures, self.numbers, self.warnings)
+        return Loads(forms, curvatures, [number for _, number in acting], self.warnings)
 
     def initial_curvature(self, triangles: Ints, xy: Floats) -> Floats:
         """Sum of initial curvatures (w_xx, w_yy, 2 w_xy) at points (n, point, 2) of triangles (n,)."""

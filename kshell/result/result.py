@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError, SolveError
 from kshell.result import doors
+from kshell.result.cases import Envelope
 from kshell.result.deferred import Deferred
 from kshell.result.saving import save
 from kshell.values.naming import listing, suggestion
@@ -95,6 +96,12 @@ class Result:
     warnings : list of str
     scene : Scene, optional
         What was solved, for pictures.
+    case : str, optional
+        Of several load cases: which of them the rest belongs to, the first.
+    cases : dict of str to Result
+        Of all load cases and combinations.
+    combinations : dict of str to dict
+        Factors of the cases in those that are combinations.
     """
 
     mesh: Mesh
@@ -124,6 +131,9 @@ class Result:
     solver: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     scene: Scene | None = None
+    case: str | None = None
+    cases: dict[str, Result] = field(default_factory=dict)
+    combinations: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.extremes:
@@ -160,6 +170,19 @@ class Result:
             raise SolveError("this result has values at vertices only: look at result.fields")
         return self.evaluate(np.atleast_2d(x))
 
+    @property
+    def envelope(self) -> Envelope:
+        """Smallest and largest values of all load cases, each with its case.
+
+        Raises
+        ------
+        InputError
+            If the scene has no load cases.
+        """
+        if not self.cases:
+            raise InputError("this result has no load cases, which an envelope is of: give the scene cases")
+        return Envelope(self.cases)
+
     def to_dict(self) -> dict[str, Any]:
         """The content of result.json: numbers, text, lists and dicts only.
 
@@ -194,7 +217,16 @@ class Result:
             "solver": self.solver,
             "warnings": self.warnings,
         }
+        if self.cases:
+            document |= {"case": self.case, "cases": {n: self._of_case(n) for n in self.cases}}
+            document["envelope"] = self.envelope.to_dict()
         return {key: _plain(value, key) for key, value in document.items()}
+
+    def _of_case(self, name: str) -> dict[str, Any]:
+        """What result.json says of one load case: all but what all cases have in common."""
+        own = {k: v for k, v in self.cases[name].to_dict().items() if k not in ("kshell", "title", "mesh")}
+        added = self.combinations.get(name)
+        return own if added is None else {"combination": added, **own}
 
     def save(self, folder: str | os.PathLike[str], plots: bool = False) -> list[str]:
         """Write result.json and result.vtu, and pictures if asked, all of them or none.

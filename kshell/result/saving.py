@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,20 +32,31 @@ def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, 
     }
     if result.analysis == "path":
         writers |= _series(result)
+    for name, case in result.cases.items():
+        writers[f"{case_stem(name)}.vtu"] = partial(write_vtu, result=case)
+        if case.analysis == "path" and name != result.case:
+            writers |= _series(case, f"{case_stem(name)}-")
+    if result.cases:
+        writers["envelope.vtu"] = partial(write_vtu, result=result.envelope.as_result())
     if result.eigen:
         writers |= _animated(result)
     return write_together(Path(folder), writers | dict(pictures))
 
 
-def _series(result: Result) -> dict[str, Writer]:
+def case_stem(name: str) -> str:
+    """How names of files of a load case begin."""
+    return "case-" + re.sub(r"[^\w.+-]+", "-", name)
+
+
+def _series(result: Result, stem: str = "") -> dict[str, Writer]:
     """One .vtu per load step, and the .pvd that lists them by load factor."""
-    names = [f"step-{number:04d}.vtu" for number in range(len(result.series))]
+    names = [f"{stem}step-{number:04d}.vtu" for number in range(len(result.series))]
     text = _collection([(factor, name) for name, (factor, _) in zip(names, result.series, strict=True)])
     writers: dict[str, Writer] = {
         name: lambda path, make=make: write_vtu(path, make())  # type: ignore[misc]
         for name, (_, make) in zip(names, result.series, strict=True)
     }
-    writers["path.pvd"] = lambda path: path.write_text(text, encoding="utf-8")
+    writers[f"{stem}path.pvd"] = lambda path: path.write_text(text, encoding="utf-8")
     return writers
 
 

@@ -94,6 +94,8 @@ def at_nodes(
     if edge_fields and name in edge_fields:
         return np.concatenate([values, edge_fields[name]])
     start, end = mesh.edges.T
+    if values.dtype.kind == "i":  # numbers of cases have no mean
+        return np.concatenate([values, values[start]])
     middle = 0.5 * (values[start] + values[end])
     if name == "displacement" and "rotation" in fields:
         rotation = fields["rotation"]  # (w_y, -w_x, 0)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from collections.abc import Callable
+from dataclasses import field, fields
+from functools import partial
+from typing import Annotated, Any, ClassVar, Self, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import BeforeValidator
 
 from kshell.errors import InputError
 from kshell.scene.places import On, Place, ScalarValue, VectorValue, on_words
@@ -33,6 +37,10 @@ class Load:
     value : scalar or vector
     fixed : bool
         Whether it does not grow in buckling.
+    name : str
+        By which load cases know it.
+    scaling : tuple of str
+        The values that it grows with.
     components : int or None
         Length of the vector, None for a scalar.
     dimensions : tuple of int
@@ -42,9 +50,11 @@ class Load:
     kind: ClassVar[str] = ""
     components: ClassVar[int | None] = None
     dimensions: ClassVar[tuple[int, ...]] = (2,)
+    scaling: ClassVar[tuple[str, ...]] = ("value",)
     on: Place | None
     value: Any
     fixed: bool
+    name: str
 
     def at(self, points: ArrayLike) -> NDArray[np.float64]:
         """The value at points (..., 3): (...) for a scalar, (..., components) for a vector."""
@@ -67,8 +77,43 @@ class Load:
         value = self.at(points)
         return "acts in its plane" if exceeds(value[:, :2], value) else ""
 
+    def times(self, factor: float) -> Self:
+        """The same load times a factor."""
+        if factor == 1.0:
+            return self
+        given = {f.name: getattr(self, f.name) for f in fields(cast(Any, self)) if f.init}
+        given |= {key: _times(factor, given[key]) for key in self.scaling}
+        return type(self)(**given)
+
     def __str__(self) -> str:
-        return f"load {self.kind} {on_words(self.on)}"
+        named = f' "{self.name}"' if self.name else ""
+        return f"load {self.kind}{named} {on_words(self.on)}"
+
+
+def _times(factor: float, value: Any) -> Any:
+    """A number, formula, function, or vector of them, times a factor."""
+    if isinstance(value, str):
+        return f"({factor!r}) * ({value})"
+    if callable(value):
+        return partial(_product, factor, value)
+    if isinstance(value, tuple):
+        return tuple(_times(factor, part) for part in value)
+    return factor * value
+
+
+def _product(factor: float, function: Callable[..., Any], *place: NDArray[np.float64]) -> Any:
+    value = function(*place)
+    return [factor * part for part in value] if isinstance(value, list | tuple) else factor * value
+
+
+def _name(value: Any) -> Any:
+    if not isinstance(value, str):
+        raise ValueError("must be text")
+    return value
+
+
+Name = Annotated[str, BeforeValidator(_name)]
+"""By which a load is known to load cases."""
 
 
 @described("load pressure")
@@ -80,6 +125,7 @@ class Pressure(Load):
     on: On | None = None
     follower: Flag = False
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
     def stretches(self, points: ArrayLike) -> str:
         return "follows the surface" if self.follower else ""
@@ -94,6 +140,7 @@ class Traction(Load):
     value: VectorValue
     on: On | None = None
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
 
 @described("load gravity")
@@ -105,6 +152,7 @@ class Gravity(Load):
     value: VectorValue
     on: On | None = None
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
 
 @described("load line_force")
@@ -117,6 +165,7 @@ class LineForce(Load):
     on: On
     value: VectorValue
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
 
 @described("load edge_moment")
@@ -128,6 +177,7 @@ class EdgeMoment(Load):
     on: On
     value: ScalarValue
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
 
 @described("load point_force")
@@ -140,6 +190,7 @@ class PointForce(Load):
     on: On
     value: VectorValue
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
 
 @described("load point_moment")
@@ -152,6 +203,7 @@ class PointMoment(Load):
     on: On
     value: VectorValue
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
     def stretches(self, points: ArrayLike) -> str:
         value = self.at(points)
@@ -173,11 +225,13 @@ class Temperature(Load):
     """
 
     kind: ClassVar[str] = "temperature"
+    scaling: ClassVar[tuple[str, ...]] = ("mean", "gradient")
     mean: ScalarValue = 0.0
     gradient: ScalarValue = 0.0
     expansion: ScalarValue | None = None
     on: On | None = None
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
     def __post_init__(self) -> None:
         if self.expansion is None:
@@ -214,6 +268,7 @@ class InitialCurvature(Load):
     value: VectorValue
     on: On | None = None
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
     def curvature_at(self, points: ArrayLike) -> NDArray[np.float64]:
         """Stress-free (w_xx, w_yy, w_xy) at points (..., 3)."""
@@ -235,6 +290,7 @@ class InitialStrain(Load):
     value: VectorValue
     on: On | None = None
     fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
 
     def stretches(self, points: ArrayLike) -> str:
         return "stretches it"

@@ -8,22 +8,26 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, fields
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator
 
 from kshell.errors import InputError
 from kshell.material.laminate import Layer
 from kshell.mesh.mesh import Mesh
+from kshell.scene.cases import Case, Combination, load_factors
 from kshell.scene.imperfection import Imperfection
+from kshell.scene.line import Line
 from kshell.scene.loads import Load
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import Point, as_point, as_scalar
 from kshell.scene.supports import Support
 from kshell.scene.toml import apply_override, inside, read_toml, scene_arguments
+from kshell.values.naming import listing, suggestion
 from kshell.values.validation import Number, described
 
 
@@ -132,6 +136,12 @@ class Scene:
         Temperature, InitialCurvature, InitialStrain
     probes : dict of str to (x, y, z)
         Named points whose values are reported.
+    cases : sequence of Case
+        Loads that act together; without any, all loads do. Prescribed motion is part of every case.
+    combinations : sequence of Combination
+        Cases added up with factors.
+    lines : sequence of Line
+        Along which values are reported.
     mesh_size : float, optional
         Triangle size, only for geometry files.
     mesh_order : "auto", 1 or 2
@@ -173,6 +183,9 @@ class Scene:
     crease: Number = 30.0
     top_towards: Annotated[Any, BeforeValidator(_top_towards)] = None
     geometry: Annotated[Any, BeforeValidator(_geometry)] = None
+    cases: Any = ()
+    combinations: Any = ()
+    lines: Any = ()
     title: str = ""
     solve: Any = field(default_factory=SolveOptions)
 
@@ -180,6 +193,9 @@ class Scene:
         for key, cls, words in (
             ("supports", Support, "a support such as ks.Clamped(...)"),
             ("loads", Load, "a load such as ks.Pressure(...)"),
+            ("cases", Case, "a ks.Case(...)"),
+            ("combinations", Combination, "a ks.Combination(...)"),
+            ("lines", Line, "a ks.Line(...)"),
         ):
             object.__setattr__(self, key, _all_of(getattr(self, key), cls, key, words))
         if self.layers is not None:
@@ -196,6 +212,9 @@ class Scene:
         if not isinstance(self.solve, SolveOptions):
             raise InputError(f"scene: solve = {self.solve!r}: must be a dict of the keys of [solve]")
         self._require_one_section()
+        load_factors(self.loads, self.cases, self.combinations)  # every name in them exists
+        if len({line.name for line in self.lines}) < len(self.lines):
+            raise InputError("scene: two lines have the same name: give each its own")
         if self.mesh_size is not None and not self.mesh_size > 0:
             raise InputError(f"scene: mesh_size = {self.mesh_size:g} must be > 0")
         if not 0 < self.crease < 180:
@@ -230,6 +249,29 @@ class Scene:
         """Whether some material has no density, so gravity would do nothing there."""
         materials = [self.material] if self.layers is None else [layer.material for layer in self.layers]
         return any(material.density == 0.0 for material in materials)
+
+    @property
+    def case_factors(self) -> dict[str, NDArray[np.float64]]:
+        """Factors (load,) of the loads in every case and combination, by name."""
+        return load_factors(self.loads, self.cases, self.combinations)
+
+    def of_case(self, name: str) -> Scene:
+        """The scene with the loads of one case or combination alone.
+
+        Raises
+        ------
+        InputError
+            If there is none of that name.
+        """
+        factors = self.case_factors
+        if name not in factors:
+            raise InputError(f'no case "{name}": {suggestion(name, factors)}the cases are {listing(factors)}')
+        loads = [load.times(float(f)) for load, f in zip(self.loads, factors[name], strict=True) if f != 0.0]
+        return self.changed(loads=loads, cases=(), combinations=())
+
+    def changed(self, **changes: Any) -> Scene:
+        """The scene with some of its arguments changed."""
+        return Scene(**{f.name: getattr(self, f.name) for f in fields(self) if f.init} | changes)
 
     def read_mesh(self, allow_system: bool = False) -> Mesh:
         """The mesh of the scene, read and checked, flat triangles of curved surfaces curved as `facets` says.

@@ -11,7 +11,9 @@ from typing import Any
 from kshell.errors import InputError
 from kshell.material.laminate import Layer
 from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
+from kshell.scene.cases import Case, Combination
 from kshell.scene.imperfection import Imperfection
+from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point
@@ -43,8 +45,12 @@ KEYS = [
     "support",
     "load",
     "probe",
+    "case",
+    "combination",
+    "line",
     "solve",
 ]
+LINE_KEYS = ["name", "from", "to", "n"]
 NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge)}
 
 
@@ -142,6 +148,11 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
     arguments["supports"] = _each(data.get("support", []), "support", source, support_from_dict)
     arguments["loads"] = _each(data.get("load", []), "load", source, load_from_dict)
     arguments["probes"] = _probes(data.get("probe", []), source)
+    arguments["cases"] = _each(data.get("case", []), "case", source, lambda block: Case(**block))
+    arguments["combinations"] = _each(
+        data.get("combination", []), "combination", source, lambda block: Combination(**block)
+    )
+    arguments["lines"] = _each(data.get("line", []), "line", source, line_from_dict)
     with inside(f"{source}, [solve]", "[solve]: "):
         arguments["solve"] = SolveOptions(**_table(data.get("solve", {})))
     return arguments
@@ -217,6 +228,15 @@ def load_from_dict(data: dict[str, Any]) -> Any:
     if kind not in LOADS:
         raise InputError(f"kind = {kind!r}: {suggestion(str(kind), LOADS)}the kinds are {listing(LOADS)}")
     return LOADS[kind](**data)
+
+
+def line_from_dict(data: dict[str, Any]) -> Line:
+    """A line: name, from, to and n."""
+    for key in data:
+        if key not in LINE_KEYS:
+            raise InputError(unknown_key(key, LINE_KEYS))
+    renamed = {"from": "start", "to": "end"}
+    return Line(**{renamed.get(key, key): value for key, value in data.items()})
 
 
 def _probes(blocks: Any, source: str) -> dict[str, Any]:

@@ -1,0 +1,302 @@
+"""Load cases: superposition, envelopes with the case that governs, one factorisation, files, and what is refused."""
+
+import json
+import os
+from itertools import pairwise
+
+import meshio
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.analysis.models import model_of
+from kshell.plate.model import PlateModel
+from kshell.shell.model import ShellModel
+
+STEEL = {"E": 210e9, "nu": 0.3, "density": 7850}
+
+
+def plate(**changes):
+    mesh = ks.geometry.Plane().mesh(8, 8, 1, ("left", "right", "bottom", "top"), (0, 1), (0, 1), "alternate")
+    given = {
+        "mesh": mesh,
+        "thickness": 0.01,
+        "material": ks.Isotropic(**STEEL),
+        "supports": [ks.Clamped("left"), ks.SimplySupported("right")],
+        "loads": [
+            ks.Pressure(-1000, name="snow"),
+            ks.Gravity((0, 0, -9.81), name="dead"),
+            ks.Pressure("500 + 500 * x", name="wind"),
+        ],
+        "cases": [ks.Case("dead", ["dead"]), ks.Case("snow", [0]), ks.Case("wind", ["wind"], [2.0])],
+        "combinations": [ks.Combination("all", {"dead": 1.35, "snow": 1.5, "wind": -0.6})],
+        "probes": {"centre": (0.5, 0.5, 0.0), "free": (0.5, 0.0, 0.0)},
+        "solve": {"large_deflection": False},
+    }
+    return ks.Scene(**given | changes)
+
+
+def roof(**changes):
+    mesh = ks.geometry.Cylinder(R=25.0).mesh(4, 6, 2, ("a", "b", "c", "d"), (0, 0.7), (0, 25), "alternate")
+    loads = [
+        ks.Pressure(-90.0, name="p"),
+        ks.Traction((0, 0, -50.0), name="q"),
+        ks.Temperature(mean=10.0, gradient=5.0, expansion=1e-5, name="warm"),
+    ]
+    given = {
+        "mesh": mesh,
+        "loads": loads,
+        "thickness": 0.25,
+        "material": ks.Isotropic(E=4.32e8, nu=0.2),
+        "supports": [ks.Clamped("a"), ks.Fixed("c", "xz")],
+        "cases": [ks.Case("p", ["p"]), ks.Case("q", ["q"]), ks.Case("warm", ["warm"])],
+        "combinations": [ks.Combination("sum", {"p": 2.0, "q": -1.0, "warm": 0.5})],
+        "probes": {"middle": (25 * np.cos(0.35), 25 * np.sin(0.35), 12.5)},
+        "solve": {"large_deflection": False},
+    }
+    return ks.Scene(**given | changes)
+
+
+def superposed(result, factors, name, what):
+    return sum(f * result.cases[case].fields[what] for case, f in factors.items()), result.cases[name].fields[
+        what
+    ]
+
+
+@pytest.mark.parametrize("element", ["morley", "argyris", "hhj"])
+def test_combinations_of_plates_are_sums(element):
+    result = ks.solve(plate(), element=element)
+    for what in ("displacement", "moment"):
+        expected, found = superposed(result, result.combinations["all"], "all", what)
+        assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    total = sum(1.35 * r["force"] for r in result.cases["dead"].reactions.values())
+    assert total[2] == pytest.approx(1.35 * 7850 * 9.81 * 0.01, rel=1e-8)
+
+
+def test_combinations_of_shells_are_sums():
+    result = ks.solve(roof())
+    for what in ("displacement", "membrane_force", "moment", "stress_top"):
+        expected, found = superposed(result, result.combinations["sum"], "sum", what)
+        assert found == pytest.approx(expected, abs=1e-8 * np.abs(expected).max())
+
+
+def test_each_case_is_the_answer_to_its_loads_alone():
+    scene = plate()
+    result = ks.solve(scene)
+    alone = ks.solve(scene.changed(loads=[ks.Pressure("2 * (500 + 500 * x)")], cases=(), combinations=()))
+    assert result.cases["wind"].probe("centre")["u"] == pytest.approx(alone.probe("centre")["u"], rel=1e-10)
+    assert ks.solve(scene.of_case("wind")).strain_energy == pytest.approx(alone.strain_energy, rel=1e-10)
+    assert result.case == "dead"
+    assert result.probe("centre") is result.cases["dead"].probe("centre")
+
+
+@pytest.mark.parametrize("scene", [plate(), roof()], ids=["plate", "shell"])
+def test_loads_of_a_case_grow_as_their_factors(scene):
+    first = scene.of_case(scene.cases[0].name)
+    doubled = scene.changed(cases=[ks.Case("x", scene.cases[0].loads, [2.0])], combinations=()).of_case("x")
+    a, b = ks.solve(first), ks.solve(doubled)
+    assert b.fields["displacement"] == pytest.approx(2 * a.fields["displacement"], rel=1e-8, abs=1e-15)
+
+
+def test_loads_that_are_functions_grow_too():
+    load = ks.Traction(lambda x, y, z: (0.0 * x, 0.0 * x, 3.0 + x))
+    at = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]])
+    assert load.times(2.0).at(at) == pytest.approx(2 * load.at(at))
+    warm = ks.Temperature(mean="1 + x", gradient=2.0, expansion=1e-5).times(-3.0)
+    assert warm.strain_at(at) == pytest.approx([-3e-5, -6e-5])
+    assert warm.curvature_at(at)[:, 0] == pytest.approx([6e-5, 6e-5])
+
+
+def test_one_factorisation_serves_all_cases(monkeypatch):
+    from kshell.equilibrium import linear
+    from kshell.plate import model as plate_model
+
+    made = []
+    prepare, factoriser = plate_model.prepare, linear.LinearSolver.__init__
+    monkeypatch.setattr(plate_model, "prepare", lambda *a, **k: made.append("plate") or prepare(*a, **k))
+    monkeypatch.setattr(
+        linear.LinearSolver, "__init__", lambda *a, **k: made.append("shell") or factoriser(*a, **k)
+    )
+    mesh = ks.geometry.Plane().mesh(
+        20, 20, 1, ("left", "right", "bottom", "top"), (0, 1), (0, 1), "alternate"
+    )
+    ks.solve(plate(mesh=mesh), element="argyris")
+    ks.solve(roof())
+    assert made == ["plate", "shell"]
+    assert isinstance(model_of(plate()), PlateModel)
+    assert isinstance(model_of(roof()), ShellModel)
+
+
+def test_envelope():
+    result = ks.solve(plate())
+    names = list(result.cases)
+    w = np.array([result.cases[name].fields["displacement"][:, 2] for name in names])
+    found = result.envelope.fields["displacement"]
+    assert found["min"][:, 2] == pytest.approx(w.min(axis=0))
+    assert found["max"][:, 2] == pytest.approx(w.max(axis=0))
+    free = np.abs(w).max(axis=0) > 0
+    assert np.array_equal(found["min_case"][free, 2], w.argmin(axis=0)[free])
+    document = result.to_dict()
+    assert document["case"] == "dead"
+    assert list(document["cases"]) == names == ["dead", "snow", "wind", "all"]
+    u = document["envelope"]["probes"]["centre"]["u"]
+    values = {name: document["cases"][name]["probes"]["centre"]["u"][2] for name in names}
+    assert (u["min"][2], u["max"][2]) == (min(values.values()), max(values.values()))
+    assert (u["min_case"][2], u["max_case"][2]) == (min(values, key=values.get), max(values, key=values.get))
+    largest = max(names, key=lambda name: abs(document["cases"][name]["extremes"]["deflection"]["value"]))
+    assert document["envelope"]["extremes"]["deflection"]["case"] == largest
+    assert document["cases"]["all"]["combination"] == {"dead": 1.35, "snow": 1.5, "wind": -0.6}
+    assert document["cases"]["dead"]["probes"] == document["probes"]
+
+
+def test_files_of_cases(tmp_path):
+    result = ks.solve(plate(cases=[ks.Case("dead", [1]), ks.Case("snow / 2", [0], [0.5])], combinations=()))
+    result.save(tmp_path)
+    assert sorted(os.listdir(tmp_path)) == [
+        "case-dead.vtu",
+        "case-snow-2.vtu",
+        "envelope.vtu",
+        "result.json",
+        "result.vtu",
+    ]
+    read = meshio.read(tmp_path / "envelope.vtu").point_data
+    assert read["max_displacement"] == pytest.approx(result.envelope.fields["displacement"]["max"])
+    snow = meshio.read(tmp_path / "case-snow-2.vtu").point_data["displacement"]
+    assert snow == pytest.approx(result.cases["snow / 2"].fields["displacement"])
+    assert json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["case"] == "dead"
+
+
+def test_large_deflections_one_by_one():
+    """A clamped strip: under large deflections the combination is no sum, and agrees with its loads at once."""
+    scene = plate(
+        supports=[ks.Clamped("left"), ks.Clamped("right")],
+        loads=[ks.Pressure(-40e3, name="a"), ks.Pressure(-20e3, name="b")],
+        cases=[ks.Case("a", ["a"]), ks.Case("b", ["b"])],
+        combinations=[ks.Combination("both", {"a": 1.0, "b": 1.0})],
+        solve={"model": "shell", "large_deflection": True},
+    )
+    result = ks.solve(scene)
+    a, b, both = (result.cases[name].probe("centre")["u"][2] for name in ("a", "b", "both"))
+    assert abs(both) < 0.95 * abs(a + b)
+    at_once = ks.solve(scene.changed(loads=[ks.Pressure(-60e3)], cases=(), combinations=()))
+    assert both == pytest.approx(at_once.probe("centre")["u"][2], rel=1e-6)
+    assert all(len(result.cases[name].path) > 1 for name in result.cases)
+
+
+def test_a_plate_that_bends_too_far_is_a_shell_under_the_loads_of_its_case():
+    """The switch from plate to shell keeps to the factors of the case."""
+    scene = plate(
+        supports=[ks.Clamped("left"), ks.Clamped("right")],
+        loads=[ks.Pressure(-30e3, name="a")],
+        cases=[ks.Case("little", ["a"], [1e-3]), ks.Case("much", ["a"])],
+        combinations=(),
+        solve={},
+    )
+    result = ks.solve(scene)
+    assert [result.cases[name].model["kind"] for name in ("little", "much")] == ["plate", "shell"]
+    alone = ks.solve(scene.of_case("much"))
+    assert result.cases["much"].probe("centre")["u"] == pytest.approx(alone.probe("centre")["u"], rel=1e-6)
+    assert any("not all are of the same model" in words for words in result.warnings)
+
+
+def test_paths_of_cases(tmp_path):
+    scene = plate(
+        supports=[ks.Clamped("left"), ks.Clamped("right")],
+        cases=[ks.Case("snow", ["snow"], [20.0]), ks.Case("wind", ["wind"], [20.0])],
+        combinations=(),
+        solve={"steps": 3},
+    )
+    result = ks.trace(scene, folder=tmp_path / "steps")
+    assert {path.name for path in (tmp_path / "steps").iterdir()} == {"snow", "wind"}
+    for case in result.cases.values():
+        factors = [entry["factor"] for entry in case.path]
+        assert factors[0] == 0.0
+        assert factors[-1] == pytest.approx(1.0)
+        assert all(a < b for a, b in pairwise(factors))
+    result.save(tmp_path / "out")
+    assert {"path.pvd", "case-wind-path.pvd"} <= set(os.listdir(tmp_path / "out"))
+    again = ks.trace(scene, folder=tmp_path / "steps", resume=True)
+    assert again.cases["wind"].probe("centre")["u"] == pytest.approx(
+        result.cases["wind"].probe("centre")["u"]
+    )
+
+
+def test_buckling_of_cases():
+    loads = [ks.LineForce("right", (-1e4, 0, 0), name="a"), ks.LineForce("top", (0, -1e4, 0), name="b")]
+    supports = [ks.SimplySupported(n) for n in ("left", "right", "bottom", "top")]
+    supports += [ks.Fixed("left", "x"), ks.Fixed("bottom", "y")]
+    cases = [ks.Case("along", ["a"]), ks.Case("twice", ["a"], [2.0]), ks.Case("across", ["b"])]
+    scene = plate(supports=supports, loads=loads, cases=cases, combinations=())
+    result = ks.buckling(scene, count=1)
+    factor = {name: result.cases[name].eigen[0]["value"] for name in result.cases}
+    D = 210e9 * 0.01**3 / 12 / 0.91
+    assert factor["along"] == pytest.approx(4 * np.pi**2 * D / 1e4, rel=1e-2)
+    assert factor["twice"] == pytest.approx(factor["along"] / 2, rel=1e-6)
+    assert factor["across"] == pytest.approx(factor["along"], rel=1e-6)
+
+
+def test_modes_without_prestress_know_no_cases():
+    result = ks.modes(plate(), count=2)
+    assert result.cases == {}
+    assert any("cases" in words for words in result.warnings)
+
+
+def test_warnings_of_cases():
+    scene = plate(
+        cases=[ks.Case("dead", ["dead"]), ks.Case("snow", ["snow"])],
+        combinations=(),
+        supports=[ks.Clamped("left"), ks.Fixed("right", "z", (0, 0, 0.001))],
+    )
+    result = ks.solve(scene)
+    assert any('"wind"' in words and "in no case" in words for words in result.warnings)
+    assert any("prescribed motion" in words for words in result.warnings)
+    right = np.unique(scene.mesh.edges[scene.mesh.groups["right"].members])
+    moved = [case.fields["displacement"][right, 2].max() for case in result.cases.values()]
+    assert moved == pytest.approx([0.001, 0.001])
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"cases": [ks.Case("a", ["ice"])]}, 'no load "ice"'),
+        ({"cases": [ks.Case("a", [7])]}, "no load 7"),
+        ({"cases": [ks.Case("a", ["snow", 0])]}, "named twice"),
+        ({"cases": [ks.Case("a", [0]), ks.Case("a", [1])]}, "is taken"),
+        (
+            {"cases": [ks.Case("a", [0])], "combinations": [ks.Combination("a", {"a": 1})]},
+            "is taken",
+        ),
+        ({"cases": [], "combinations": [ks.Combination("c", {"dead": 1})]}, 'no case "dead"'),
+        ({"combinations": [ks.Combination("c", {"snwo": 1})]}, "snow"),
+        ({"cases": [1]}, "ks.Case"),
+    ],
+)
+def test_bad_cases(changes, words):
+    with pytest.raises(ks.InputError, match=words):
+        plate(**{"combinations": (), **changes})
+
+
+@pytest.mark.parametrize(
+    ("block", "words"),
+    [
+        ({"name": "a"}, "loads is missing"),
+        ({"name": "", "loads": [0]}, "name"),
+        ({"name": "a", "loads": []}, "loads"),
+        ({"name": "a", "loads": [True]}, "loads"),
+        ({"name": "a", "loads": [0], "factors": [1, 2]}, "2 factors for 1"),
+        ({"name": "a", "loads": [0], "factors": [float("nan")]}, "finite"),
+        ({"name": "a", "load": [0], "loads": [0]}, 'unknown key "load"'),
+    ],
+)
+def test_bad_blocks(block, words):
+    with pytest.raises(ks.InputError, match=words):
+        ks.Scene.from_dict({"mesh": "x.msh", "thickness": 1.0, "material": STEEL, "case": [block]})
+
+
+def test_refused_with_a_reason():
+    with pytest.raises(ks.InputError, match="mesh of its own"):
+        ks.solve(plate(), tolerance=0.01)
+    with pytest.raises(ks.InputError, match="no load cases"):
+        ks.solve(plate(cases=(), combinations=())).envelope  # noqa: B018
+    with pytest.raises(ks.InputError, match="the cases are"):
+        plate().of_case("rain")
