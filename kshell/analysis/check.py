@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from kshell.analysis.model_choice import choose_model
-from kshell.analysis.models import model_as
+from kshell.analysis.model_choice import BENDING, choose_model
+from kshell.analysis.models import as_analysed, model_as
 from kshell.errors import InputError
 from kshell.mesh import Mesh, check
 from kshell.mesh.check import Quality, Summary
@@ -61,16 +61,26 @@ def check_scene(scene: Scene, mesh: Mesh) -> Findings:
         return found
     try:
         structure = resolve(scene, mesh)
-        model = model_as(structure, choose_model(structure, scene.solve))
+        choice = choose_model(structure, scene.solve)
+        model = model_as(as_analysed(structure, choice, scene.solve), choice)
     except InputError as error:
         found.problems.append(str(error))
         return found
     found.model = [*model.reasons, f"{model.unknowns} unknowns, {_regime(scene.solve)}"]
-    found.warnings.extend(model.warnings())
+    still = "there is no load"  # its own affair where loads do not act
+    found.warnings.extend(
+        words
+        for words in model.warnings()
+        if scene.solve.analysis not in BENDING or not words.startswith(still)
+    )
     return found
 
 
 def _regime(options: SolveOptions) -> str:
+    if options.analysis in ("modes", "buckling", "response"):
+        return {"modes": "natural frequencies", "buckling": "linear buckling", "response": "harmonic loads"}[
+            options.analysis
+        ]
     if options.large_asked:
         return "large deflections"
     return "small deflections" + (

@@ -27,20 +27,31 @@ def build_model(structure: Structure, options: SolveOptions) -> Model:
         If there is no such buckling mode for the imperfection.
     """
     choice = choose_model(structure, options)
-    if options.analysis in MOVABLE and not options.prestress:
-        structure = replace(structure, movable=True)
-    if choice.kind == "plate" and options.analysis in BENDING:
-        structure = bending_only(structure)
-    elif flat_under_load(structure, options):
-        from kshell.analysis.membrane import held_in_plane
-
-        structure = held_in_plane(structure)
-    model = model_as(structure, choice)
+    model = model_as(as_analysed(structure, choice, options), choice)
     if structure.imperfection is None:
         return model
     from kshell.shell.koiter.imperfection import imperfect
 
     return imperfect(model)
+
+
+def as_analysed(structure: Structure, choice: ModelChoice, options: SolveOptions) -> Structure:
+    """The structure with the supports and loads that the analysis takes of it.
+
+    Raises
+    ------
+    InputError
+        If loads in its plane push a flat shell away.
+    """
+    if options.analysis in MOVABLE and not options.prestress:
+        structure = replace(structure, movable=True)
+    if choice.kind == "plate" and options.analysis in BENDING:
+        return bending_only(structure)
+    if flat_under_load(structure, options):
+        from kshell.analysis.membrane import held_in_plane
+
+        return held_in_plane(structure)
+    return structure
 
 
 def flat_under_load(structure: Structure, options: SolveOptions) -> bool:

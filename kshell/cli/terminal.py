@@ -112,7 +112,9 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         ]
         heads = ["support", "force", "moment about the origin"]
         console.print(_table(heads, reactions, f"Reactions on the {result.model['kind']}"))
-    if not result.eigen:
+    if result.response:
+        _print_response(console, result)
+    if not (result.eigen or result.response):
         _print_balance(console, result)
     _print_warnings(console, result.warnings)
     stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())
@@ -150,6 +152,21 @@ def _print_modes(console: Console, result: Result) -> None:
         together = result.modal["effective_mass"]
         rows.append(["", "all", "", *(_share(m, t) for m, t in zip(together, total, strict=True))])
     title = "Load factors" if buckling else "Frequencies, effective masses in %"
+    console.print(_table(heads, rows, title))
+
+
+def _print_response(console: Console, result: Result) -> None:
+    """The largest amplitude of each probe, with its frequency."""
+    frequency, rows = result.response["frequency"], []
+    for name, probe in result.response["probes"].items():
+        size = [
+            sum(re**2 + im**2 for re, im in zip(real, imag, strict=True)) ** 0.5
+            for real, imag in zip(probe["u"]["real"], probe["u"]["imag"], strict=True)
+        ]
+        peak = max(range(len(size)), key=size.__getitem__)
+        rows.append([name, _number(size[0]), _number(size[peak]), f"{frequency[peak]:.6g}"])
+    heads = ["probe", f"amplitude at {frequency[0]:.4g} Hz", "largest", "Hz"]
+    title = f"Response from {frequency[0]:.4g} to {frequency[-1]:.4g} Hz"
     console.print(_table(heads, rows, title))
 
 

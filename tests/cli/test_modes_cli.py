@@ -89,3 +89,22 @@ def test_no_density(scene, capsys):
 def test_a_mesh_is_not_enough(tmp_path, capsys):
     assert run(["modes", str(tmp_path / "plate.msh")]) == 2
     assert "needs a scene file" in capsys.readouterr().err
+
+
+def test_response_and_check(scene, capsys):
+    load = '[[load]]\nkind = "pressure"\nvalue = 1\n[[probe]]\nname = "centre"\nat = [0.5, 0.5, 0]\n'
+    text = SCENE.format(density=1.0).split("[[load]]")[0] + load
+    scene.write_text(text + '[solve]\nanalysis = "response"\nrange = [0, 6]\ndamping = 0.05\n')
+    assert run(["solve", str(scene)]) == 0
+    out = capsys.readouterr().out
+    assert "Response from 0 to 6 Hz" in out
+    assert "equilibrium" not in out
+
+
+def test_check_of_a_free_plate(scene, capsys):
+    """A body without supports may vibrate."""
+    text = SCENE.format(density=1.0).split("[[support]]")[0]
+    scene.write_text(text + '[solve]\nanalysis = "modes"\n')
+    assert run(["check", str(scene)]) == 0, capsys.readouterr().err
+    assert run(["modes", str(scene), "--count", "2"]) == 0
+    assert "translation along z" in capsys.readouterr().out
