@@ -17,6 +17,7 @@ from kshell.material.laminate import NEGLIGIBLE_COUPLING
 from kshell.mesh.check import is_flat
 from kshell.mesh.facets import facets
 from kshell.mesh.facing import top_words
+from kshell.mesh.words import shown
 from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Structure
@@ -185,7 +186,7 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
     if options.model != "auto":
         return options.model, f"kind {options.model}: as asked for"
     if chart is not None:
-        return "shell", f"kind shell: the mesh lies in the parameter plane of {chart!r}"
+        return "shell", f"kind shell: the mesh lies in the parameter plane of {shown(chart)}"
     flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
     if options.element == "hhj":
         return "plate", "kind plate: element hhj was asked for"

@@ -15,6 +15,7 @@ from kshell.analysis.cases import answer_cases
 from kshell.analysis.clock import Clock
 from kshell.analysis.run import Run
 from kshell.errors import InputError, Interrupted, KshellWarning, SolveError
+from kshell.mesh.words import shown
 from kshell.result.result import Result
 from kshell.scene.scene import Scene
 from kshell.scene.structure import resolve
@@ -180,7 +181,7 @@ def answer(
         As `solve` and `trace`.
     """
     if not isinstance(scene, Scene):
-        raise InputError(f"{scene!r} is not a scene: make one with ks.Scene(...) or ks.Scene.load(path)")
+        raise InputError(f"{shown(scene)} is not a scene: make one with ks.Scene(...) or ks.Scene.load(path)")
     chosen = scene.solve.updated(**options)
     if progress is not None:
         progress("read")

@@ -380,7 +380,7 @@ def _save_last(state: Any, folder: Path | None, plot: bool, json: str | None) ->
 
 
 def _write_json(result: Result, target: str | None) -> list[str]:
-    from kshell.result.saving import as_json, write_together
+    from kshell.result.saving import as_json, write_text
 
     if target is None:
         return []
@@ -388,8 +388,7 @@ def _write_json(result: Result, target: str | None) -> list[str]:
     if target == "-":
         sys.stdout.write(text)
         return []
-    path = Path(target)
-    return write_together(path.parent, {path.name: lambda p: p.write_text(text, encoding="utf-8")})
+    return write_text(text, target)
 
 
 def _say(message: str, debug: bool = False) -> None:

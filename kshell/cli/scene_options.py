@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kshell.errors import InputError
+from kshell.mesh.words import clipped
 
 if TYPE_CHECKING:
     from kshell.scene.scene import Scene
@@ -21,7 +22,7 @@ def no_overrides(source: Path, overrides: Sequence[str]) -> None:
     """Refuse --set on a mesh file."""
     if overrides:
         raise InputError(
-            f"--set {overrides[0]}: {source} is a mesh, --set changes the values of a scene file"
+            f"--set {clipped(overrides[0])}: {source} is a mesh, --set changes the values of a scene file"
         )
 
 
@@ -80,7 +81,7 @@ def _number_or_text(text: str) -> float | str:
 
 def number(text: str | None) -> int | str | None:
     """A whole number, or the text itself."""
-    return int(text) if text is not None and text.isdigit() else text
+    return int(text) if text is not None and text.isascii() and text.isdigit() and len(text) < 10 else text
 
 
 def flag(text: str | None) -> bool | str | None:

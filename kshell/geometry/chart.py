@@ -19,6 +19,7 @@ from kshell.geometry.smooth import AffineMap, ComposedMap, GivenMap, SmoothMap
 from kshell.geometry.surface_curve import SurfaceCurve
 from kshell.geometry.surface_point import PARAMETERS, SurfacePoint
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import shown
 
 
 class Chart:
@@ -233,7 +234,7 @@ class ReadyChart(Chart):
         for key, value in constants.items():
             number = isinstance(value, (int, float, np.integer, np.floating))
             if not (number and np.isfinite(value) and value > 0.0):
-                raise InputError(f"{kind}: {key} = {value!r} must be a positive number")
+                raise InputError(f"{kind}: {key} = {shown(value)} must be a positive number")
         self.constants = constants
         super().__init__(ready_map, domain=domain, name=kind)
 

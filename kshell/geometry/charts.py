@@ -29,6 +29,7 @@ from kshell.errors import InputError
 from kshell.geometry.chart import ReadyChart
 from kshell.geometry.components import Component, Floats, total
 from kshell.geometry.smooth import Index, Partials, SmoothMap, indices
+from kshell.mesh.words import clipped
 
 # the derivatives of order 0, 1, 2, ... of a function of one parameter
 Tower = list[Component]
@@ -251,7 +252,7 @@ def ready_chart(kind: str, **constants: float) -> ReadyChart:
     """
     chart = READY.get(str(kind).lower())
     if chart is None:
-        raise InputError(f'there is no ready chart "{kind}"; there are {", ".join(READY)}')
+        raise InputError(f'there is no ready chart "{clipped(kind)}"; there are {", ".join(READY)}')
     known = list(inspect.signature(chart).parameters)
     unknown = [key for key in constants if key not in known]
     if unknown:

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.material.elasticity import ENGINEERING, PAIRS
+from kshell.mesh.words import shown
 
 Floats = NDArray[np.float64]
 
@@ -202,7 +203,7 @@ def stiffness_matrix(given: Any) -> Floats:
         C = np.array(given, dtype=float)
     except (TypeError, ValueError):
         raise InputError(
-            f"material: C = {given!r} is not a matrix of numbers: give 6 rows of 6, or 3 of 3"
+            f"material: C = {shown(given)} is not a matrix of numbers: give 6 rows of 6, or 3 of 3"
         ) from None
     if C.shape not in ((6, 6), (3, 3)):
         raise InputError(f"material: C has the shape {C.shape}: it must be 6 x 6, or 3 x 3 in plane stress")

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.material.materials import rotated
+from kshell.mesh.words import shown
 from kshell.values.validation import Number, described
 
 Floats = NDArray[np.float64]
@@ -47,7 +48,7 @@ class Layer:
     def __post_init__(self) -> None:
         if not hasattr(self.material, "plane_stress"):
             raise InputError(
-                f"layer: material = {self.material!r} is not a material: give ks.Isotropic(...) or alike"
+                f"layer: material = {shown(self.material)} is not a material: give ks.Isotropic(...) or alike"
             )
         if not self.thickness > 0.0:
             raise InputError(f"layer: thickness = {self.thickness:g} must be > 0")

@@ -29,6 +29,9 @@ from kshell.values.varying import is_constant, show, values_at
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
+# smallest over largest eigenvalue of a stiffness that can still be inverted with a digit left
+SOFTEST = 1e-14
+
 
 class Section:
     """The cross-section of a plate or shell on a mesh. Use `plate_section` or `shell_section` to make one.
@@ -55,6 +58,7 @@ class Section:
         self.constant_per_triangle = all(is_constant(value) for value in parts.values())
         self._uniform = self.constant_per_triangle and len(parts) == 1
         self._check_everywhere()
+        self._require_regular()
 
     def on(self, mesh: Mesh) -> Section:
         """The same on a mesh with vertices moved."""
@@ -156,6 +160,18 @@ class Section:
     @property
     def _centroids(self) -> Floats:
         return self._mesh.points[self._mesh.triangles].mean(axis=1)
+
+    def _require_regular(self) -> None:
+        """Refuse elastic constants whose softest part is lost in the rounding of the stiffest."""
+        laws = (self._Q,) if self._stack is None else (self._stack.A, self._stack.D)
+        for law in laws:
+            value = np.linalg.eigvalsh(law) if np.isfinite(law).all() else np.full(3, np.nan)
+            if not value[0] > value[-1] * SOFTEST:
+                raise InputError(
+                    f"material: the stiffness in the plane is between {value[0]:.3g} and {value[-1]:.3g}, and double "
+                    f"precision cannot keep both apart from rounding (their ratio must exceed {SOFTEST:g}): look at "
+                    "the powers of ten of the elastic constants"
+                )
 
     def _check_everywhere(self) -> None:
         """Bad thickness is found before anything is assembled, at the corners of all triangles."""

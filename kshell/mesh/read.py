@@ -14,7 +14,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.order import in_spatial_order
 from kshell.mesh.orient import to_reverse
 from kshell.mesh.raw import RawMesh
-from kshell.mesh.words import count, nearest_name
+from kshell.mesh.words import clipped, count, is_file, is_folder, nearest_name
 
 GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs")
 
@@ -146,16 +146,16 @@ def facing_up(mesh: Mesh) -> Mesh:
 
 
 def _require_file(path: Path, what: str = "mesh") -> None:
-    if path.is_dir():
-        raise InputError(f"{path} is a folder, not a {what} file")
-    if path.is_file():
+    if is_folder(path):
+        raise InputError(f"{clipped(path)} is a folder, not a {what} file")
+    if is_file(path):
         return
     near = ""
-    if path.parent.is_dir():
+    if is_folder(path.parent):
         close = nearest_name(path.name, [file.name for file in path.parent.iterdir() if file.is_file()])
         near = f" Did you mean '{close}'?" if close else ""
     raise InputError(
-        f"{what} file {path} not found.{near} Relative paths start from the folder of the scene, or the "
+        f"{what} file {clipped(path)} not found.{near} Relative paths start from the folder of the scene, or the "
         "present one"
     )
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.mesh import KIND_OF_DIMENSION, Group, Mesh
-from kshell.mesh.words import count, nearest_name, place, quoted
+from kshell.mesh.words import clipped, count, nearest_name, place, quoted, shown
 
 # farther than this fraction of the mesh size a point is not on the vertex it is moved to
 MOVED = 1e-6
@@ -79,7 +79,7 @@ def select(
         return _union(mesh, items, allowed, what)
     if any(isinstance(item, str) for item in items):
         raise InputError(
-            f"{what}: `on` mixes names and numbers: {items}. Give a name, a list of names, or a point [x, y, "
+            f"{what}: `on` mixes names and numbers: {shown(items)}. Give a name, a list of names, or a point [x, y, "
             "z]"
         )
     return _nearest_vertex(mesh, items, allowed, what)
@@ -111,17 +111,19 @@ def _group(mesh: Mesh, name: str, allowed: tuple[int, ...], what: str) -> Group:
     if not variants:
         close = nearest_name(name, list(mesh.groups))
         guess = f" Did you mean '{close}'?" if close else ""
-        raise InputError(f"{what}: no group '{name}' in {mesh.source}.{guess} {_existing(mesh)}")
+        raise InputError(f"{what}: no group '{clipped(name)}' in {mesh.source}.{guess} {_existing(mesh)}")
     fitting = {key: group for key, group in variants.items() if group.dimension in allowed}
     if not fitting:
         group = next(iter(variants.values()))
         needed = " or ".join(KIND_OF_DIMENSION[d] for d in allowed)
         same_kind = [key for key, other in mesh.groups.items() if other.dimension in allowed]
         others = f" Groups of that kind: {quoted(same_kind)}" if same_kind else f" {_existing(mesh)}"
-        raise InputError(f"{what}: '{name}' is a {group.kind} group, but a {needed} is needed.{others}")
+        raise InputError(
+            f"{what}: '{clipped(name)}' is a {group.kind} group, but a {needed} is needed.{others}"
+        )
     if len(fitting) > 1:
         raise InputError(
-            f"{what}: '{name}' is the name of several groups: say which one of {quoted(fitting)}"
+            f"{what}: '{clipped(name)}' is the name of several groups: say which one of {quoted(fitting)}"
         )
     key, group = next(iter(fitting.items()))
     if group.lost:
@@ -164,7 +166,7 @@ def _nearest_vertex(mesh: Mesh, items: list[Any], allowed: tuple[int, ...], what
     except (TypeError, ValueError):
         point = np.array([np.nan])
     if len(point) not in (2, 3) or not np.isfinite(point).all():
-        raise InputError(f"{what}: {items} is no point: give two or three finite numbers, [x, y, z]")
+        raise InputError(f"{what}: {shown(items)} is no point: give two or three finite numbers, [x, y, z]")
     if 0 not in allowed:
         needed = " or ".join(KIND_OF_DIMENSION[d] for d in allowed)
         raise InputError(

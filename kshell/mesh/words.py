@@ -3,9 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+LONGEST = 200  # characters of a value in a message
+
+
+def clipped(text: object) -> str:
+    """A text in a message, cut where it is long."""
+    text = str(text)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
+
+
+def shown(value: Any) -> str:
+    """A value in a message as Python writes it, cut where it is long."""
+    try:
+        return clipped(repr(value))
+    except ValueError:  # Python does not write whole numbers of more than 4300 digits
+        return "a whole number of thousands of digits"
+    except RecursionError:
+        return "a list of lists, nested too deeply"
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file; false for paths that the system cannot even look for, such as too long ones."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is a folder, as `is_file`."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
 
 
 def place(point: ArrayLike) -> str:
@@ -19,7 +55,7 @@ def place(point: ArrayLike) -> str:
 def quoted(names: Iterable[str], limit: int = 12) -> str:
     """Names in quotes, cut off after `limit`."""
     names = list(names)
-    text = ", ".join(f"'{name}'" for name in names[:limit])
+    text = ", ".join(f"'{clipped(name)}'" for name in names[:limit])
     return text + (f" and {len(names) - limit} more" if len(names) > limit else "")
 
 

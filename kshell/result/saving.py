@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import re
+import shutil
+import stat
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -14,12 +17,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kshell.errors import InputError
+from kshell.mesh.words import clipped
 from kshell.result.vtu import write_motion, write_vtu
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
 
 FRAMES = 12  # of one period of a mode
+UNFINISHED = ".unfinished-"  # begins the names of folders in which files are written before they are moved
+STREAMS = ("/dev/", "/proc/")  # below them links lead to what is open already
 Writer = Callable[[Path], object]  # writes one file at the path
 
 
@@ -96,6 +102,53 @@ def as_json(result: Result) -> str:
     return json.dumps(result.to_dict(), indent=1, allow_nan=False, ensure_ascii=False) + "\n"
 
 
+def write_text(text: str, target: str | os.PathLike[str]) -> list[str]:
+    """Write one text: whole or not at all to a file, also through links; straight into devices and pipes.
+
+    Raises
+    ------
+    InputError
+        If it cannot be written; says why.
+    """
+    path = Path(target)
+    if str(path).startswith(STREAMS) or _is_stream(path):
+        try:
+            with path.open("w", encoding="utf-8") as stream:
+                stream.write(text)
+        except BrokenPipeError:
+            pass  # nobody reads any more
+        except OSError as error:
+            raise InputError(f"{clipped(path)}: cannot be written ({error.strerror or error})") from None
+        return [str(path)]
+    real = Path(os.path.realpath(path))
+    write_together(real.parent, {real.name: lambda p: p.write_text(text, encoding="utf-8")})
+    return [str(path)]
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether something other than a file or a folder stands there."""
+    try:
+        mode = path.stat().st_mode
+    except OSError:
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def _machine() -> str:
+    """The name of this machine, made of letters that names of files may have."""
+    return re.sub(r"[^A-Za-z0-9]", "_", platform.node()) or "machine"
+
+
+def _remove_left_over(folder: Path) -> None:
+    """Remove unfinished files of processes of this machine that were killed."""
+    import psutil
+
+    for path in folder.glob(f"{UNFINISHED}{_machine()}-*-*"):
+        number = path.name.removeprefix(f"{UNFINISHED}{_machine()}-").partition("-")[0]
+        if number.isdecimal() and not psutil.pid_exists(int(number)):
+            shutil.rmtree(path, ignore_errors=True)
+
+
 def write_together(folder: Path, writers: dict[str, Writer]) -> list[str]:
     """Write several files into a folder, all or none.
 
@@ -117,14 +170,16 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[str]:
         for name in writers:
             if (folder / name).is_dir():
                 raise InputError(f"{folder / name}: is a folder: remove it or give another output folder")
-        with tempfile.TemporaryDirectory(prefix=".unfinished-", dir=folder) as unfinished:
+        _remove_left_over(folder)
+        prefix = f"{UNFINISHED}{_machine()}-{os.getpid()}-"
+        with tempfile.TemporaryDirectory(prefix=prefix, dir=folder) as unfinished:
             for name, write in writers.items():
                 write(Path(unfinished) / name)
             for name in writers:
                 os.replace(Path(unfinished) / name, folder / name)
     except OSError as error:
         raise InputError(
-            f"{error.filename or folder}: cannot be written ({error.strerror or error}): "
+            f"{clipped(error.filename or folder)}: cannot be written ({error.strerror or error}): "
             "give another output folder; earlier results are untouched"
         ) from None
     return [str(folder / name) for name in writers]

@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BeforeValidator
 
 from kshell.errors import InputError
+from kshell.mesh.words import clipped
 from kshell.values.expression import Expression
 
 Point = tuple[float, float, float]
@@ -105,7 +106,7 @@ def on_words(on: Place | None) -> str:
     if on is None:
         return "everywhere"
     if isinstance(on, str):
-        return f'on "{on}"'
+        return f'on "{clipped(on)}"'
     if isinstance(on[0], str):
-        return "on " + ", ".join(f'"{name}"' for name in on)
+        return "on " + clipped(", ".join(f'"{name}"' for name in on))
     return "on (" + ", ".join(f"{c:g}" for c in on) + ")"

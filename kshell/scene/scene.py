@@ -19,6 +19,7 @@ from pydantic import BeforeValidator
 from kshell.errors import InputError
 from kshell.material.laminate import Layer
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import shown
 from kshell.scene.cases import Case, Combination, load_factors
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
@@ -104,7 +105,7 @@ def _probes(value: Any) -> Any:
         try:
             points[str(name)] = as_point(point)
         except ValueError as error:
-            raise ValueError(f'"{name}" = {point!r} {error}') from None
+            raise ValueError(f'"{name}" = {shown(point)} {error}') from None
     return points
 
 
@@ -204,13 +205,13 @@ class Scene:
             object.__setattr__(self, "imperfection", Imperfection(**self.imperfection))
         if not isinstance(self.imperfection, Imperfection | None):
             raise InputError(
-                f"scene: imperfection = {self.imperfection!r}: must be a ks.Imperfection(...), for example "
+                f"scene: imperfection = {shown(self.imperfection)}: must be a ks.Imperfection(...), for example "
                 "ks.Imperfection(amplitude=0.001)"
             )
         if isinstance(self.solve, Mapping):
             object.__setattr__(self, "solve", SolveOptions(**self.solve))
         if not isinstance(self.solve, SolveOptions):
-            raise InputError(f"scene: solve = {self.solve!r}: must be a dict of the keys of [solve]")
+            raise InputError(f"scene: solve = {shown(self.solve)}: must be a dict of the keys of [solve]")
         self._require_one_section()
         load_factors(self.loads, self.cases, self.combinations)  # every name in them exists
         if len({line.name for line in self.lines}) < len(self.lines):
@@ -240,7 +241,7 @@ class Scene:
             raise InputError("scene: material is missing: give one, e.g. ks.Isotropic(E=210e9, nu=0.3)")
         if not hasattr(self.material, "plane_stress"):
             raise InputError(
-                f"scene: material = {self.material!r}: must be ks.Isotropic(...), ks.Orthotropic(...) "
+                f"scene: material = {shown(self.material)}: must be ks.Isotropic(...), ks.Orthotropic(...) "
                 "or ks.Anisotropic(...)"
             )
 
@@ -328,8 +329,8 @@ def _all_of(items: Any, cls: type, key: str, words: str) -> tuple[Any, ...]:
     if isinstance(items, cls):
         items = (items,)
     if not isinstance(items, Sequence) or isinstance(items, str):
-        raise InputError(f"scene: {key} = {items!r}: must be a list of {key}")
+        raise InputError(f"scene: {key} = {shown(items)}: must be a list of {key}")
     for number, item in enumerate(items):
         if not isinstance(item, cls):
-            raise InputError(f"scene: {key}[{number}] = {item!r}: must be {words}")
+            raise InputError(f"scene: {key}[{number}] = {shown(item)}: must be {words}")
     return tuple(items)

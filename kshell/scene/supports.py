@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
+from kshell.mesh.words import shown
 from kshell.scene.places import On, Place, ScalarOrVector, ScalarValue, on_words
 from kshell.values.validation import Flag, described
 from kshell.values.varying import is_constant, values_at
@@ -178,7 +179,7 @@ class Elastic(Support):
         if stiffness.size and stiffness.min() < 0.0:
             x, y, z = np.asarray(points, float).reshape(-1, 3)[stiffness.argmin()]
             raise InputError(
-                f"{self}: stiffness {self.stiffness!r} is {stiffness.min():g} at "
+                f"{self}: stiffness {shown(self.stiffness)} is {stiffness.min():g} at "
                 f"({x:.6g}, {y:.6g}, {z:.6g}): it must not be negative"
             )
         return stiffness
@@ -203,7 +204,7 @@ def _checked_axes(axes: Any) -> tuple[tuple[float, ...], ...]:
         rows = np.zeros(0)
     if rows.shape != (3, 3) or not np.isfinite(rows).all() or not np.linalg.norm(rows, axis=1).all():
         raise InputError(
-            f"support fixed: axes = {axes!r}: must be three vectors, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+            f"support fixed: axes = {shown(axes)}: must be three vectors, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
         )
     rows /= np.linalg.norm(rows, axis=1, keepdims=True)
     skew = np.abs(rows @ rows.T - np.eye(3)).max()

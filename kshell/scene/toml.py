@@ -11,6 +11,7 @@ from typing import Any
 from kshell.errors import InputError
 from kshell.material.laminate import Layer
 from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
+from kshell.mesh.words import clipped, is_folder, shown
 from kshell.scene.cases import Case, Combination
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
@@ -62,20 +63,41 @@ def read_toml(path: Path) -> dict[str, Any]:
     InputError
         If there is no such file or it is not TOML; the message has the line.
     """
-    if not path.exists():
-        near = [p.name for p in path.parent.glob("*.toml")] if path.parent.is_dir() else []
-        hint = suggestion(path.name, near)
-        raise InputError(f"{path}: no such file. {hint}".rstrip())
+    where = clipped(path)
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8-sig")  # some editors begin with a mark of the order of bytes
+    except FileNotFoundError:
+        near = [p.name for p in path.parent.glob("*.toml")] if is_folder(path.parent) else []
+        hint = suggestion(path.name, near)
+        raise InputError(f"{where}: no such file. {hint}".rstrip()) from None
     except IsADirectoryError:
-        raise InputError(f"{path}: is a folder: give a scene file, .toml") from None
+        raise InputError(f"{where}: is a folder: give a scene file, .toml") from None
     except UnicodeDecodeError:
-        raise InputError(f"{path}: is not text: a scene file is TOML in UTF-8") from None
+        raise InputError(f"{where}: is not text: a scene file is TOML in UTF-8") from None
     except PermissionError:
-        raise InputError(f"{path}: may not be read: check its permissions") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
+        raise InputError(f"{where}: may not be read: check its permissions") from None
+    except OSError as error:
+        raise InputError(
+            f"{where}: cannot be read ({error.strerror}): give the path of a scene file"
+        ) from None
+    try:
+        return parsed_toml(text)
+    except ValueError as error:
+        raise InputError(f"{where}: not valid TOML: {clipped(error)}") from None
+
+
+def parsed_toml(text: str) -> dict[str, Any]:
+    """The tables of a text.
+
+    Raises
+    ------
+    ValueError
+        If it is not TOML, or nested too deeply, or has a whole number of more digits than Python reads.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("lists or tables nested too deeply") from None
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
@@ -84,14 +106,15 @@ def apply_override(data: dict[str, Any], override: str) -> None:
     The value is written as in TOML; what is not TOML is taken as text.
     """
     key, equals, text = override.partition("=")
+    override = clipped(override)
     parts = key.strip().split(".")
     if not equals or not all(parts):
         raise InputError(
             f'--set {override}: write KEY=VALUE, for example "material.E=70e9" or "load.0.value=2000"'
         )
     try:
-        value = tomllib.loads(f"value = {text.strip()}")["value"]
-    except tomllib.TOMLDecodeError:
+        value = parsed_toml(f"value = {text.strip()}")["value"]
+    except ValueError:
         value = text.strip()
     table: Any = data
     for depth, part in enumerate(parts[:-1]):
@@ -102,7 +125,9 @@ def apply_override(data: dict[str, Any], override: str) -> None:
     elif isinstance(table, dict):
         table[last] = value
     else:
-        raise InputError(f'--set {override}: "{".".join(parts[:-1])}" is {table!r} and has no keys')
+        raise InputError(
+            f'--set {override}: "{clipped(".".join(parts[:-1]))}" is {shown(table)} and has no keys'
+        )
 
 
 def _entry(table: Any, part: str, override: str, above: list[str]) -> Any:
@@ -110,14 +135,14 @@ def _entry(table: Any, part: str, override: str, above: list[str]) -> Any:
         return table[_index(table, part, override, above)]
     if isinstance(table, dict):
         return table.setdefault(part, {})
-    raise InputError(f'--set {override}: "{".".join(above)}" is {table!r} and has no keys')
+    raise InputError(f'--set {override}: "{clipped(".".join(above))}" is {shown(table)} and has no keys')
 
 
 def _index(items: list[Any], part: str, override: str, above: list[str]) -> int:
-    if not part.isdigit() or int(part) >= len(items):
+    if not part.isascii() or not part.isdigit() or len(part) > 9 or int(part) >= len(items):
         raise InputError(
-            f'--set {override}: "{".".join(above)}" is a list of {len(items)}: '
-            f'"{part}" must be a number from 0 to {len(items) - 1}'
+            f'--set {override}: "{clipped(".".join(above))}" is a list of {len(items)}: '
+            f'"{clipped(part)}" must be a number from 0 to {len(items) - 1}'
         )
     return int(part)
 
@@ -198,10 +223,10 @@ def support_from_dict(data: dict[str, Any]) -> Any:
     kind = data.pop("kind", None)
     exact = [key for key in ("fix", "stiffness", "freedoms") if key in data]
     if kind is not None:
-        if kind not in NAMED_SUPPORTS:
+        if not isinstance(kind, str) or kind not in NAMED_SUPPORTS:
             hint = suggestion(str(kind), NAMED_SUPPORTS)
             raise InputError(
-                f"kind = {kind!r}: {hint}the kinds are {listing(NAMED_SUPPORTS)}; "
+                f"kind = {shown(kind)}: {hint}the kinds are {listing(NAMED_SUPPORTS)}; "
                 'for exact freedoms write fix = "xzr", for springs stiffness = 1e6'
             )
         if exact:
@@ -225,8 +250,10 @@ def load_from_dict(data: dict[str, Any]) -> Any:
     kind = data.pop("kind", None)
     if kind is None:
         raise InputError(f"kind is missing: one of {listing(LOADS)}")
-    if kind not in LOADS:
-        raise InputError(f"kind = {kind!r}: {suggestion(str(kind), LOADS)}the kinds are {listing(LOADS)}")
+    if not isinstance(kind, str) or kind not in LOADS:
+        raise InputError(
+            f"kind = {shown(kind)}: {suggestion(str(kind), LOADS)}the kinds are {listing(LOADS)}"
+        )
     return LOADS[kind](**data)
 
 
@@ -250,13 +277,13 @@ def _probes(blocks: Any, source: str) -> dict[str, Any]:
         if missing:
             raise InputError(f"{missing[0]} is missing: a probe has a name and at = [x, y, z]")
         if not isinstance(data["name"], str) or not data["name"]:
-            raise InputError(f"name = {data['name']!r}: must be text")
+            raise InputError(f"name = {shown(data['name'])}: must be text")
         if data["name"] in probes:
             raise InputError(f'the name "{data["name"]}" is taken by an earlier probe: give another')
         try:
             probes[data["name"]] = as_point(data["at"])
         except ValueError as error:
-            raise InputError(f"at = {data['at']!r}: {error}") from None
+            raise InputError(f"at = {shown(data['at'])}: {error}") from None
 
     _each(blocks, "probe", source, add)
     return probes
@@ -274,7 +301,7 @@ def _each(blocks: Any, name: str, source: str, make: Callable[[dict[str, Any]], 
 
 def _table(value: Any) -> dict[str, Any]:
     if not isinstance(value, Mapping):
-        raise InputError(f"{value!r} must be a table of keys")
+        raise InputError(f"{shown(value)} must be a table of keys")
     return dict(value)
 
 

@@ -103,7 +103,7 @@ def _projector(reduction: Reduction) -> sp.csr_matrix:
     basis = reduction.basis.tocsr()
     count = basis.shape[0]
     gram = basis.T @ basis - sp.identity(basis.shape[1])
-    if abs(gram).max() < ORTHONORMAL:
+    if basis.shape[1] == 0 or abs(gram).max() < ORTHONORMAL:
         out = sp.identity(count) - basis @ basis.T
         out.data[np.abs(out.data) < ORTHONORMAL] = 0.0
         out.eliminate_zeros()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from kshell.errors import InputError, SolveError
-from kshell.solvers.backends import BACKENDS, Backend, backend_named, installed_backends
+from kshell.solvers.backends import BACKENDS, Backend, backend_named, preferred_backend
 from kshell.solvers.memory import available_bytes, factorisation_bytes, fits
 from kshell.solvers.system import PlateSpace
 
@@ -83,7 +83,7 @@ def choose(matrix: Any, space: PlateSpace | None, method: str, available: float 
             raise InputError("multigrid is there for Morley and Argyris plates only: use solver = 'direct'")
         return Choice(None, "multigrid as asked for")
     named = method not in ("auto", "direct")
-    backend = backend_named(method) if named else installed_backends()[0]
+    backend = backend_named(method) if named else preferred_backend()
     unknowns = matrix.shape[0]
     if method == "auto" and space is not None:
         limit = MULTIGRID_FROM[space.element, backend.key]

@@ -38,17 +38,20 @@ class Backend:
         Must be importable; the first is the package to install.
     factorise : function
         CSR matrix -> (solve function, entries of the factor or 0 where the library does not say).
+    loads : function, optional
+        Whether a library that its modules load can be loaded; asked only when they are found.
     """
 
     key: str
     name: str
     modules: tuple[str, ...]
     factorise: Callable[[Any], tuple[Solver, int]]
+    loads: Callable[[], bool] | None = None
 
     @property
     def installed(self) -> bool:
-        """Whether its modules can be found; nothing is imported."""
-        return _found(self.modules)
+        """Whether its modules can be found, and, where it needs a library besides, that one too."""
+        return _found(self.modules) and (self.loads is None or self.loads())
 
 
 @cache
@@ -113,9 +116,33 @@ def _cholmod(matrix: Any) -> tuple[Solver, int]:
     return solve, 0
 
 
+def _pypardiso() -> tuple[Any, Any]:
+    """Its solver and its error.
+
+    Raises
+    ------
+    ImportError
+        Where the package, or MKL, which it loads when it is imported, cannot be loaded.
+    """
+    try:
+        from pypardiso import PyPardisoSolver
+        from pypardiso.pardiso_wrapper import PyPardisoError
+    except OSError as error:
+        raise ImportError(f"pypardiso: {error}") from error
+    return PyPardisoSolver, PyPardisoError
+
+
+@cache
+def _loads_mkl() -> bool:
+    try:
+        _pypardiso()
+    except ImportError:
+        return False
+    return True
+
+
 def _pardiso(matrix: Any) -> tuple[Solver, int]:
-    from pypardiso import PyPardisoSolver
-    from pypardiso.pardiso_wrapper import PyPardisoError
+    PyPardisoSolver, PyPardisoError = _pypardiso()
 
     upper = _lower_triangle(matrix).T.tocsr()  # CSC of the lower triangle is CSR of the upper one
     solver = PyPardisoSolver(mtype=2)  # real symmetric positive definite
@@ -146,8 +173,13 @@ def _lower_triangle(matrix: Any) -> Any:
 
 SUPERLU = Backend("superlu", "SuperLU (scipy)", ("scipy",), _superlu)
 CHOLMOD = Backend("cholmod", "CHOLMOD (cvxopt)", ("cvxopt",), _cholmod)
-PARDISO = Backend("pardiso", "PARDISO (pypardiso)", ("pypardiso",), _pardiso)
+PARDISO = Backend("pardiso", "PARDISO (pypardiso)", ("pypardiso",), _pardiso, _loads_mkl)
 BACKENDS = (CHOLMOD, PARDISO, SUPERLU)  # in the order of preference of the table in auto.py
+
+
+def preferred_backend() -> Backend:
+    """The first back end present here; SuperLU always is. Those after it are not looked for."""
+    return next(backend for backend in BACKENDS if backend.installed)
 
 
 def installed_backends() -> tuple[Backend, ...]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from kshell.mesh.words import nearest_name
+from kshell.mesh.words import clipped, nearest_name
 
 
 def listing(names: Iterable[str], most: int = 20) -> str:
     """The names separated by commas, shortened after `most`; "none" if there are none."""
     names = list(names)
-    text = ", ".join(names[:most])
+    text = ", ".join(clipped(name) for name in names[:most])
     if len(names) > most:
         text += f", ... ({len(names)} in all)"
     return text or "none"

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Strict, ValidationError
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
 from kshell.errors import InputError
+from kshell.mesh.words import clipped, shown
 from kshell.values.naming import listing, suggestion
 
 T = TypeVar("T", bound=type)
@@ -83,20 +84,20 @@ def reworded(error: ValidationError, keys: list[str]) -> str:
             return (
                 f"{key}: {complaint}"
                 if complaint.startswith("expression ")
-                else f"{key} = {value!r}: {complaint}"
+                else f"{key} = {shown(value)}: {complaint}"
             )
         case "literal_error":
             wanted = first["ctx"]["expected"]
-            return f"{key} = {value!r}: must be one of {wanted}"
+            return f"{key} = {shown(value)}: must be one of {wanted}"
     expected = {
         "float_type": "must be a number (without quotes or units)",
         "finite_number": "must be a finite number",
         "string_type": "must be text",
         "bool_type": "must be true or false",
     }.get(first["type"], first["msg"][0].lower() + first["msg"][1:])
-    return f"{key} = {value!r}: {expected}"
+    return f"{key} = {shown(value)}: {expected}"
 
 
 def unknown_key(key: str, keys: list[str]) -> str:
     """Words for a key that does not exist, with the nearest one that does."""
-    return f'unknown key "{key}": {suggestion(key, keys)}the keys are {listing(keys)}'
+    return f'unknown key "{clipped(key)}": {suggestion(key, keys)}the keys are {listing(keys)}'

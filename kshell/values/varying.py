@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
+from kshell.mesh.words import shown
 from kshell.values.expression import Expression
 
 Floats = NDArray[np.float64]
@@ -51,7 +52,7 @@ def values_at(value: Any, points: ArrayLike, components: int | None = None, what
     else:
         parts = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
         if len(parts) != components:
-            raise InputError(f"{what}: needs {components} components, got {value!r}")
+            raise InputError(f"{what}: needs {components} components, got {shown(value)}")
         result = np.stack([_scalar(part, flat, what) for part in parts], axis=-1)
     _require_finite(result, flat, value, what)
     return result.reshape(shape if components is None else (*shape, components))

@@ -1,6 +1,7 @@
 """The rule that picks a solver, and memory that is foreseen."""
 
 import re
+import sys
 
 import numpy as np
 import psutil
@@ -10,7 +11,7 @@ import scipy.sparse as sp
 from kshell.errors import InputError, SolveError
 from kshell.solvers import auto, backends
 from kshell.solvers.auto import MULTIGRID_FROM, choose
-from kshell.solvers.backends import BACKENDS, installed_backends
+from kshell.solvers.backends import BACKENDS, PARDISO, installed_backends
 from kshell.solvers.memory import _control_group, available_bytes, factorisation_bytes, fits, peak_bytes
 
 from .plates import mesh_of, plate, square, stretched
@@ -98,3 +99,23 @@ def test_memory_is_counted_in_bytes():
 def test_what_fits():
     assert fits(sp.eye(10, format="csr"), "superlu", 1e9)
     assert not fits(sp.eye(10**5, format="csr"), "superlu", 1e3)
+
+
+def test_pardiso_whose_library_cannot_be_loaded_is_passed_over(tmp_path, monkeypatch):
+    """The package is there, MKL, which it loads when it is imported, is not."""
+    package = tmp_path / "pypardiso"
+    package.mkdir()
+    (package / "__init__.py").write_text("raise ImportError('Shared library mkl_rt not found')")
+    for name in [name for name in sys.modules if name.partition(".")[0] == "pypardiso"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.syspath_prepend(tmp_path)
+    cached = (backends._found, backends._loads_mkl)
+    for function in cached:
+        function.cache_clear()
+    try:
+        assert backends._found(("pypardiso",))
+        assert not PARDISO.installed
+        assert PARDISO not in installed_backends()
+    finally:
+        for function in cached:
+            function.cache_clear()

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from kshell.equilibrium.bifurcation import buckling_modes
 from kshell.equilibrium.model import Model
 from kshell.errors import InputError
-from kshell.mesh.words import place
+from kshell.mesh.words import clipped, is_file, place
 from kshell.scene.imperfection import Imperfection
 from kshell.shell.koiter.model import KoiterModel
 from kshell.shell.limits import USE_KOITER
@@ -73,8 +73,8 @@ def _of_file(problem: ShellProblem, imperfection: Imperfection) -> Floats:
 def _read(imperfection: Imperfection) -> tuple[Floats, Floats]:
     """Points and offsets, (n, 3) each."""
     path = imperfection.file
-    if not path.exists():
-        raise InputError(f"imperfection: {path}: no such file")
+    if not is_file(path):
+        raise InputError(f"imperfection: {clipped(path)}: no such file")
     if path.suffix == ".vtu":
         import meshio
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from kshell.errors import InputError, SolveError
-from kshell.solvers.backends import installed_backends
+from kshell.solvers.backends import preferred_backend
 from kshell.solvers.checks import check_tolerance, checked_matrix, checked_rhs
 from kshell.solvers.direct import Factorisation
 from kshell.solvers.memory import fits
@@ -126,7 +126,7 @@ class Multigrid(Prepared):
             f"multigrid stalled after {solution.iterations} iterations at a relative energy error of "
             f"{solution.energy_error:.1e}; very thin triangles do that, or parts that hang together at a vertex"
         )
-        backend = installed_backends()[0]
+        backend = preferred_backend()
         if not fits(self.matrix, backend.key):
             raise SolveError(
                 f"{words}. A factorisation would not fit in memory: use a better mesh", state=solution
