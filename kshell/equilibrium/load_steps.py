@@ -74,6 +74,9 @@ class LoadSteps:
             problem, PathFollower(problem), self.steps, until, self.span, limits, branch, aside
         )
 
+        following = problem.reduction.following
+        self._longest = np.inf if following is None else following.longest
+
     def begin(self, state: State) -> March:
         """The march from a state."""
         return March(state, self.span / self.steps)
@@ -95,7 +98,7 @@ class LoadSteps:
             raise SolveError(f"{march.attempts} steps did not reach the factor {self.until:g}", state=march)
         while march.crossing is None:
             state, left = march.state, self.until - march.state.factor
-            size = float(np.sign(left) * min(abs(march.size), abs(left)))
+            size = float(np.sign(left) * min(abs(march.size), abs(left), self._longest))
             march = replace(march, attempts=march.attempts + 1)
             try:
                 found = correct(self.problem, state, state.factor + size)

@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 MOST_ITERATIONS = 25
 # work of the last residual on the last correction, against the work of the load; the error is its square
 FINISHED = 1e-13
+# energy of a state moved rigidly by its supports, against that of the same motion as one of small deflections, that is
+# rounding of the strains
+STRESS_FREE = 1e-12
 # work below which the tangent has all but settled: it serves again while the work falls at such a rate
 SETTLED = 1e-5
 KEPT = 1e-3
@@ -39,11 +42,12 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
     SolveError
         If the iteration does not converge; its `state` is the state it started from.
     """
-    basis, given = problem.reduction.basis, problem.reduction.given
+    basis = problem.reduction.basis
     x, stress = state.x, None
-    shift = (factor - state.factor) * given
+    shift = problem.reduction.shift(state.factor, factor)
     moved = bool(np.any(shift))
     first, work, definite = 0.0, np.inf, state.negative == 0
+    least = 0.0  # scale of the work where the state sought is free of stress
     best, best_at = np.inf, 0
     tangent: Factor | None = None
     for iteration in range(1, most_iterations + 1):
@@ -52,8 +56,12 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
         )
         if not np.isfinite(energy.value):
             break
+        if iteration == 1:
+            least = abs(energy.value)
         if iteration == 1 and moved:
-            residual = residual - energy.hessian @ shift
+            pull = energy.hessian @ shift
+            least = max(least, STRESS_FREE * abs(float(shift @ pull)))
+            residual = residual - pull
         reduced = basis.T @ residual
         if tangent is None:
             tangent = problem.factorise(energy.hessian, definite)
@@ -65,7 +73,7 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
             change = change + shift
         stress = problem.energy.extrapolated_stress(energy.linear, change)
         x = x + change
-        scale = abs(energy.value) + abs(factor * float(growth @ x))
+        scale = max(abs(energy.value) + abs(factor * float(growth @ x)), least)
         if iteration > 1 and work <= FINISHED * scale:
             return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
         if not np.isfinite(work) or (iteration > 2 and work > DIVERGED * first):

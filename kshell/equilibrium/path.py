@@ -156,7 +156,7 @@ class PathFollower:
 
     def displacement(self, state: State, row: Floats, change: float) -> Step:
         """A step in which a displacement, the product of (unknowns,) `row` and x, changes by a given amount."""
-        given = float(row @ self.problem.reduction.given)
+        given = float(row @ self.problem.reduction.rate(state.factor))
         row = self.problem.reduction.basis.T @ row
 
         def predict(a: Floats, b: Floats) -> tuple[Floats, float]:
@@ -176,7 +176,8 @@ class PathFollower:
         correct: Callable[[Floats, Floats, Floats], float],
     ) -> Step:
         problem = self.problem
-        basis, given = problem.reduction.basis, problem.reduction.given
+        reduction = problem.reduction
+        basis, given = reduction.basis, reduction.rate(state.factor)
         x, factor, stress = state.x, state.factor, None
         first: Floats | None = None
         moved = np.zeros(basis.shape[1])
@@ -197,6 +198,9 @@ class PathFollower:
                 more = correct(first, a, b)
                 change = b + more * a
             full = basis @ change + more * given
+            if reduction.following is not None:
+                start = state.factor
+                full = basis @ change + reduction.shift(start, factor + more) - reduction.shift(start, factor)
             stress = problem.energy.extrapolated_stress(energy.linear, full)
             x, factor, moved = x + full, factor + more, moved + change
             scale = abs(energy.value) + abs(factor * float(growth @ x))

@@ -71,8 +71,12 @@ def relax(problem: Problem, state: State, factor: float) -> State:
 def _first_spring(problem: Problem, state: State, factor: float) -> float:
     """Stiffness against the mean displacement so far."""
     moved = float(problem.energy.translation_weights() @ state.x**2)
-    _, _, growth = problem.evaluate(state.x, state.factor, 1, state.memory)
+    energy, _, growth = problem.evaluate(state.x, state.factor, 1, state.memory)
     work = abs(state.factor * float(growth @ state.x))
     if moved > 0.0 and work > 0.0:
         return work / moved
-    return float(np.linalg.norm(problem.reduction.basis.T @ (factor * growth)))
+    pull = float(np.linalg.norm(problem.reduction.basis.T @ (factor * growth)))
+    if pull > 0.0:
+        return pull
+    # prescribed motion alone: what the shell stores
+    return energy.value / moved if moved > 0.0 else 1.0

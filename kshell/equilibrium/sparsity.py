@@ -177,6 +177,8 @@ def _slots(matrix: sp.csr_matrix, other: sp.csr_matrix) -> Ints | None:
     """Place of each entry of `other` among those of `matrix`; None where it has entries of its own."""
     if not other.has_canonical_format:
         return None
+    if not other.nnz:
+        return np.zeros(0, dtype=np.int64)
     number = sp.csr_matrix((np.arange(1, matrix.nnz + 1), matrix.indices, matrix.indptr), shape=matrix.shape)
     row = np.repeat(np.arange(other.shape[0]), np.diff(other.indptr))
     slots = np.asarray(number[row, other.indices]).ravel() - 1

@@ -47,7 +47,7 @@ def external_work(problem: Problem, states: list[State]) -> list[float]:
 
 def _force_and_slope(problem: Problem, state: State) -> tuple[Floats, Floats | None]:
     """Forces that hold the state, (unknowns,), and dx/df, None where the tangent is singular."""
-    given, basis = problem.reduction.given, problem.reduction.basis
+    given, basis = problem.reduction.rate(state.factor), problem.reduction.basis
     energy, _, growth = problem.evaluate(state.x, state.factor, 2, state.memory)
     # what holds the shell: loads and reactions are in equilibrium with it
     force = energy.gradient if problem.springs is None else energy.gradient + problem.springs @ state.x

@@ -75,7 +75,10 @@ def _returns_vector(function: Callable[..., Any], points: NDArray[np.float64]) -
 
 @described("support clamped")
 class Clamped(Support):
-    """No translation and no rotation about the edge; `value` prescribes a translation."""
+    """No translation and no rotation about the edge; `value` prescribes a translation.
+
+    On shells, where the translations are those of a rigid body, the edges turn with it.
+    """
 
     kind: ClassVar[str] = "clamped"
     on: On

@@ -86,7 +86,7 @@ class ShellProblem:
         out = copy.copy(self)
         out.__dict__.pop("load", None)
         out.loads = self.loads.times(factors)
-        out.reduction = self.reduction._replace(given=motion * self.reduction.given)
+        out.reduction = self.reduction.times(motion)
         return out
 
     def _stiffness(self) -> Stiffness:

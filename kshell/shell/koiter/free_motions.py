@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
+from kshell.shell.koiter.rigid_motion import follow_rigid
 from kshell.shell.koiter.surface import Surface
 
 Floats = NDArray[np.float64]
@@ -31,6 +32,8 @@ class Conditions:
     ----------
     nodes, directions, values : lists of (n,), (n, 3) and (n,)
         Displacement of nodes along unit directions.
+    groups : list of (n,)
+        Nodes held in all directions, support by support.
     rotations, rotation_values : lists of (n,) and (n,)
         Unknowns of rotations, and their values in radians.
     """
@@ -38,6 +41,7 @@ class Conditions:
     nodes: list[NDArray] = field(default_factory=list)
     directions: list[Floats] = field(default_factory=list)
     values: list[Floats] = field(default_factory=list)
+    groups: list[NDArray] = field(default_factory=list)
     rotations: list[NDArray] = field(default_factory=list)
     rotation_values: list[Floats] = field(default_factory=list)
 
@@ -71,6 +75,9 @@ def free_motions(surface: Surface, conditions: Conditions) -> Reduction:
         fixed[rotations] = True
         for unknowns, values in zip(conditions.rotations, conditions.rotation_values, strict=True):
             given[unknowns] = values
+    following = None
+    if conditions.groups:
+        given, following = follow_rigid(surface, conditions.groups, nodes[rank == 3], rotations, given)
     free = np.flatnonzero(~fixed)
     # unconstrained unknowns first, in their order, then what is left of constrained nodes
     rows = [free, *rows]
@@ -82,7 +89,8 @@ def free_motions(surface: Surface, conditions: Conditions) -> Reduction:
     )
     basis_matrix.data[np.abs(basis_matrix.data) < ROUNDING] = 0.0
     basis_matrix.eliminate_zeros()
-    return Reduction(basis_matrix, given, rotations)
+    staying = rotations if following is None else np.setdiff1d(rotations, following.rotations)
+    return Reduction(basis_matrix, given, staying, following)
 
 
 def _by_node(surface: Surface, conditions: Conditions) -> tuple[NDArray, Floats, NDArray, Floats]:

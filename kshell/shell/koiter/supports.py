@@ -67,6 +67,8 @@ class Supports:
         """Prescribe components, named by letters, of the displacement `value` (3,) or (n, 3)."""
         nodes = np.atleast_1d(np.asarray(nodes, dtype=np.int64))
         value = np.broadcast_to(np.asarray(value, dtype=float), (len(nodes), 3))
+        if set(axes) == set("xyz"):
+            self._conditions.groups.append(nodes)
         for letter in axes:
             axis = AXES[letter]
             self.along(nodes, np.eye(3)[axis], value[:, axis])
