@@ -12,7 +12,7 @@ from kshell.errors import InputError, KshellError, KshellWarning, SolveError
 from kshell.version import __version__
 
 if TYPE_CHECKING:
-    from kshell.analysis.solve import buckling, modes, solve, trace
+    from kshell.analysis.solve import buckling, modes, simulate, solve, trace
     from kshell.material.laminate import Layer
     from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
     from kshell.mesh import Mesh
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
         Temperature,
         Traction,
     )
+    from kshell.scene.motion import Damping, InitialVelocity
     from kshell.scene.scene import Scene
     from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
 
@@ -41,6 +42,7 @@ __all__ = [
     "Case",
     "Clamped",
     "Combination",
+    "Damping",
     "EdgeMoment",
     "Elastic",
     "Fixed",
@@ -50,6 +52,7 @@ __all__ = [
     "Imperfection",
     "InitialCurvature",
     "InitialStrain",
+    "InitialVelocity",
     "InputError",
     "Isotropic",
     "KshellError",
@@ -74,6 +77,7 @@ __all__ = [
     "geometry",
     "mac",
     "modes",
+    "simulate",
     "solve",
     "trace",
 ]
@@ -109,6 +113,8 @@ _LAZY = {
     "Result": "kshell.result.result",
     "solve": "kshell.analysis.solve",
     "trace": "kshell.analysis.solve",
+    "simulate": "kshell.analysis.solve",
+    **dict.fromkeys(("Damping", "InitialVelocity"), "kshell.scene.motion"),
     "modes": "kshell.analysis.solve",
     "buckling": "kshell.analysis.solve",
     "mac": "kshell.result.mac",

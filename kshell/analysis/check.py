@@ -56,11 +56,14 @@ def check_mesh(mesh: Mesh) -> Findings:
 def check_scene(scene: Scene, mesh: Mesh) -> Findings:
     """What would be modelled, and everything that would stop a solve."""
     found = check_mesh(mesh)
-    found.problems += problems(scene, mesh)
+    moving = scene.solve.analysis == "dynamic"
+    found.problems += problems(scene, mesh, moving)
     if found.problems:
         return found
     try:
-        structure = resolve(scene, mesh)
+        structure = resolve(scene, mesh, moving)
+        if moving:
+            structure = structure.at_time(0.0)
         choice = choose_model(structure, scene.solve)
         model = model_as(as_analysed(structure, choice, scene.solve), choice)
     except InputError as error:

@@ -152,6 +152,8 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
             )
     if options.damping and options.analysis != "response":
         raise InputError('damping is for analysis = "response": leave it out')
+    if options.analysis == "dynamic":
+        _require_motion(options)
     followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
     if followers and options.large_deflection is False and options.analysis == "static":
         raise InputError(
@@ -160,6 +162,18 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
         )
     if structure.chart is not None and (options.model == "plate" or options.element in ("morley", "hhj")):
         raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
+
+
+def _require_motion(options: SolveOptions) -> None:
+    if options.large_deflection is False:
+        raise InputError(
+            "a motion is computed with large deflections, small ones being a case of them: leave "
+            "large_deflection = false out"
+        )
+    if options.model == "plate" or options.element in ("morley", "hhj"):
+        raise InputError(
+            'a motion is that of a shell, flat ones too: leave model and element out, or model = "shell"'
+        )
 
 
 def _require_plate(structure: Structure) -> None:
@@ -198,7 +212,7 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return "plate", f"kind plate: element {options.element} was asked for"
     if not flat:
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
-    if options.large_asked:
+    if options.large_asked or options.analysis == "dynamic":
         return "shell", "kind shell: large deflections of a flat mesh stretch it"
     bends = options.analysis in BENDING
     stretching = next(_stretching(structure, moved=not bends), None)

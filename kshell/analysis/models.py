@@ -13,7 +13,7 @@ from kshell.scene.scene import Scene
 from kshell.scene.structure import Structure, resolve
 
 # analyses of what no support holds: it may move as a rigid body
-MOVABLE = ("modes",)
+MOVABLE = ("modes", "dynamic")
 
 
 def build_model(structure: Structure, options: SolveOptions) -> Model:
@@ -26,6 +26,8 @@ def build_model(structure: Structure, options: SolveOptions) -> Model:
     SolveError
         If there is no such buckling mode for the imperfection.
     """
+    if options.analysis == "dynamic":
+        structure = structure.at_time(0.0)
     choice = choose_model(structure, options)
     model = model_as(as_analysed(structure, choice, options), choice)
     if structure.imperfection is None:

@@ -61,7 +61,11 @@ class Run:
 
     def on_mesh(self, mesh: Mesh) -> Run:
         """The same run on another mesh with the same groups, as after refining, with a clock of its own."""
-        return replace(self, structure=resolve(self.scene, mesh), clock=Clock(self.progress))
+        return replace(
+            self,
+            structure=resolve(self.scene, mesh, self.options.analysis == "dynamic"),
+            clock=Clock(self.progress),
+        )
 
     def with_options(self, **changes: Any) -> Run:
         """The same run with other options and a clock of its own."""

@@ -59,6 +59,45 @@ def trace(
     return answer(scene, {**options, "analysis": "path"}, progress, folder, resume, allow_system)
 
 
+def simulate(
+    scene: Scene,
+    *,
+    folder: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    progress: Callable[[str], None] | None = None,
+    allow_system: bool = False,
+    **options: Any,
+) -> Result:
+    """Motion in time, from rest or an initial velocity, under loads and prescribed motions that may depend on t.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its material has a density.
+    folder : path, optional
+        Each state kept is written there, whole; see `resume`.
+    resume : bool
+        Go on after the last state in the folder, with the motion that would have come without the interruption.
+    progress, allow_system, **options :
+        As for `solve`; time, step, scheme, output and ramp belong here.
+
+    Returns
+    -------
+    Result
+        Of the end, with its `history`, and the states before in `series`.
+
+    Raises
+    ------
+    InputError
+        As `solve`, and if the states in the folder belong to another motion.
+    SolveError
+        If the motion cannot go on; its `state` is the Result of the last good step.
+    """
+    if resume and folder is None:
+        raise InputError("resume = True needs the folder with the states to go on from")
+    return answer(scene, {**options, "analysis": "dynamic"}, progress, folder, resume, allow_system)
+
+
 def modes(
     scene: Scene,
     *,
@@ -186,7 +225,7 @@ def answer(
     if progress is not None:
         progress("read")
     begin = time.perf_counter()
-    structure = resolve(scene, scene.read_mesh(allow_system))
+    structure = resolve(scene, scene.read_mesh(allow_system), chosen.analysis == "dynamic")
     clock = Clock(progress, time.perf_counter() - begin)
     where = None if folder is None else Path(folder)
     run = Run(scene, structure, chosen, clock, progress, where, resume)

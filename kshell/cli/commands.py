@@ -1,4 +1,4 @@
-"""The command line: `kshell solve`, `modes`, `buckling`, `trace`, `check` and `verify`.
+"""The command line: `kshell solve`, `modes`, `buckling`, `trace`, `simulate`, `check`, `verify`.
 
 Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
 traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kshell.scene.scene import Scene
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-COMMANDS = ("solve", "modes", "buckling", "trace", "check", "verify")
+COMMANDS = ("solve", "modes", "buckling", "trace", "simulate", "check", "verify")
 INTERRUPTED = 130
 
 app = typer.Typer(
@@ -207,15 +207,52 @@ def trace(
     debug: Debug = False,
 ) -> None:
     """Follow large deflections while the loads grow from zero to their full size."""
+    _in_steps("trace", source, output, resume, json, plot, set_, allow_system)
+
+
+@app.command()
+def simulate(
+    source: SceneOnly,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--output",
+            metavar="DIR",
+            help="Write the result, history.csv, a .vtu per state (series.pvd), the picture of the history, and the "
+            "states themselves as they come (steps/).",
+        ),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on after the last state in DIR.")] = False,
+    json: JsonFile = None,
+    plot: Pictures = False,
+    set_: Overrides = None,
+    allow_system: AllowSystem = False,
+    debug: Debug = False,
+) -> None:
+    """Motion in time, under loads and prescribed motions that may depend on t."""
+    _in_steps("simulate", source, output, resume, json, plot, set_, allow_system)
+
+
+def _in_steps(
+    command: str,
+    source: Path,
+    output: Path | None,
+    resume: bool,
+    json: str | None,
+    plot: bool,
+    set_: list[str] | None,
+    allow_system: bool,
+) -> None:
     if not is_scene(source):
-        raise InputError(f"{source}: trace needs a scene file, .toml")
+        raise InputError(f"{source}: {command} needs a scene file, .toml")
     begin = time.perf_counter()
     scene = scene_of(source, {}, set_ or [])
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     if resume and folder is None:
-        raise InputError("--resume needs -o DIR, the folder of the path to go on with")
+        raise InputError("--resume needs -o DIR, the folder of what is to go on")
     try:
-        result = _trace(scene, None if folder is None else folder / "steps", resume, allow_system)
+        result = _stepped(command, scene, None if folder is None else folder / "steps", resume, allow_system)
     except (SolveError, Interrupted) as error:
         _save_last(error.state, folder, plot, json)
         raise
@@ -356,16 +393,17 @@ def _solve(scene: Scene, options: dict[str, Any], allow_system: bool) -> Result:
         return solve_scene(scene, progress=progress, allow_system=allow_system, **options)
 
 
-def _trace(scene: Scene, folder: Path | None, resume: bool, allow_system: bool) -> Result:
+def _stepped(command: str, scene: Scene, folder: Path | None, resume: bool, allow_system: bool) -> Result:
     import warnings
 
-    from kshell.analysis.solve import trace as trace_scene
+    from kshell.analysis import solve
     from kshell.cli.terminal import Progress
 
+    follow = {"trace": solve.trace, "simulate": solve.simulate}[command]
     with warnings.catch_warnings(), Progress().shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
         warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
-        return trace_scene(scene, folder=folder, resume=resume, progress=progress, allow_system=allow_system)
+        return follow(scene, folder=folder, resume=resume, progress=progress, allow_system=allow_system)
 
 
 def _save_last(state: Any, folder: Path | None, plot: bool, json: str | None) -> None:

@@ -98,6 +98,8 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         console.print(
             f"path: {len(result.path)} {states}, up to the load factor {_number(result.path[-1]['factor'])}"
         )
+    if result.history:
+        _print_history(console, result)
     for point in result.critical:
         console.print(f"  {point['kind']} point at the load factor {_number(point['factor'])}")
     if result.extremes:
@@ -114,7 +116,7 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         console.print(_table(heads, reactions, f"Reactions on the {result.model['kind']}"))
     if result.response:
         _print_response(console, result)
-    if not (result.eigen or result.response):
+    if not (result.eigen or result.response or result.history):
         _print_balance(console, result)
     _print_warnings(console, result.warnings)
     stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())
@@ -126,11 +128,37 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         console.print("nothing written: -o DIR writes result.json and result.vtu")
 
 
+def _print_history(console: Console, result: Result) -> None:
+    history = result.history
+    steps = len(history["time"]) - 1
+    console.print(
+        f"motion: {steps} steps up to t = {_number(history['time'][-1])}, {history['iterations'].sum()} iterations; "
+        f"momentum and impulse differ by {result.balance:.1e} of their size"
+    )
+    rows = []
+    for name, values in history["probes"].items():
+        size = (values["u"] ** 2).sum(axis=1)
+        row = int(size.argmax())
+        rows.append([name, _vector(values["u"][row]), _number(history["time"][row])])
+    if rows:
+        console.print(_table(["probe", "largest displacement", "at t"], rows, "On the way"))
+    names = ("kinetic_energy", "strain_energy", "external_work", "dissipated_energy")
+    energies = [
+        [name.replace("_", " "), _number(history[name][-1]), _number(abs(history[name]).max())]
+        for name in names
+    ]
+    console.print(_table(["energy", "at the end", "largest"], energies, "Energies"))
+
+
 def _listed(files: Sequence[str]) -> list[str]:
     """The files written; of many alike the first alone, with their number."""
-    frames = [path for path in files if Path(path).name.startswith("mode-")]
-    rest = [path for path in files if path not in frames]
-    return rest if not frames else [*rest, f"{frames[0]} and {len(frames) - 1} more, which modes.pvd plays"]
+    rest = list(files)
+    for begin, player in (("mode-", "modes.pvd"), ("step-", "series.pvd")):
+        frames = [path for path in rest if Path(path).name.startswith(begin)]
+        if frames and any(Path(path).name == player for path in rest):
+            rest = [path for path in rest if path not in frames]
+            rest.append(f"{frames[0]} and {len(frames) - 1} more, which {player} plays")
+    return rest
 
 
 def _print_modes(console: Console, result: Result) -> None:

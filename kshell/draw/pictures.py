@@ -47,7 +47,8 @@ def pictures(result: Result) -> tuple[str, ...]:
     if result.model.get("kind") != "shell":
         return PICTURES
     path = ("load_deflection",) if result.path and result.probes else ()
-    return (*SHELL_FIELDS, *path, "mesh")
+    motion = ("history", "film") if result.history else ()
+    return (*SHELL_FIELDS, *path, *motion, "mesh")
 
 
 def picture_values(result: Result, what: str) -> tuple[Floats, str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kshell.draw.field_plot import field_figure
+from kshell.draw.history_plot import film_figure, history_figure
 from kshell.draw.mode_plot import mode_figure, modes_figure
 from kshell.draw.path_plot import path_figure
 from kshell.draw.pictures import MODAL, picture_values, pictures
@@ -41,6 +42,10 @@ def plot(result: Result, what: str = "deflection") -> Figure:
         return path_figure(result)
     if what == "response":
         return response_figure(result)
+    if what == "history":
+        return history_figure(result)
+    if what == "film":
+        return film_figure(result)
     if what == "modes":
         return modes_figure(result)
     if what.startswith("mode_"):
@@ -68,9 +73,10 @@ def save_picture(result: Result, what: str, path: Path) -> None:
 def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], object]]:
     """The pictures that are saved with a result: file name to function of the path to write.
 
-    Of a path the load over the displacements, always; all others if asked.
+    Of a path the load over the displacements, of a motion its history, always; all others if asked.
     """
     names = ["load_deflection"] if result.analysis == "path" and result.probes else []
+    names += ["history"] if result.history else []
     single = result.analysis in MODAL  # the picture of all modes holds those of each
     names += [
         name

@@ -19,8 +19,8 @@ from kshell.errors import InputError
 Saved = Iterator[tuple[March, Critical | None]]
 
 
-class Checkpoints:
-    """Files step-0001.npz, step-0002.npz, ... in a folder.
+class Store:
+    """Files step-0001.npz, step-0002.npz, ... of arrays in a folder.
 
     Parameters
     ----------
@@ -45,50 +45,33 @@ class Checkpoints:
     def _path(self, number: int) -> Path:
         return self.folder / f"step-{number:04d}.npz"
 
-    def clear(self) -> Saved:
+    def clear(self) -> Iterator[Any]:
         """Remove the steps of an earlier path; there is nothing to go on from."""
         for path in self.folder.glob("step-*.npz*"):
             path.unlink()
         return iter(())
 
-    def write(self, number: int, march: March, critical: Critical | None) -> None:
-        """Write a step: it appears under its name only when it is complete.
+    def write_content(self, number: int, content: dict[str, Any]) -> None:
+        """Write arrays by name: they appear under their number only when they are complete.
 
         Raises
         ------
         InputError
-            If it cannot be written; earlier steps are untouched.
+            If they cannot be written; earlier ones are untouched.
         """
-        content: dict[str, Any] = {"fingerprint": self.fingerprint, **_state("", march.state)}
-        numbers = [march.size, march.moved, march.rate, march.attempts, march.jumps, march.branched]
-        content["march"] = np.array(numbers)
-        if march.crossing is not None:
-            c = march.crossing
-            content["crossing"] = np.array([c.steps, c.factor, c.negative, c.arc.length, c.arc.first])
-            if c.arc.moved is not None:
-                content["arc_moved"] = c.arc.moved
-        if critical is not None:
-            content |= {"critical_kind": critical.kind, "critical_mode": critical.mode}
-            content["critical_then"] = critical.then
-            content |= _state("critical_", critical.state)
         path = self._path(number)
         unfinished = path.with_suffix(".npz-unfinished")
         try:
             with unfinished.open("wb") as file:
-                np.savez(file, **content)
+                np.savez(file, fingerprint=self.fingerprint, **content)
                 file.flush()
                 os.fsync(file.fileno())
             os.replace(unfinished, path)
         except OSError as error:
             raise InputError(f"{path}: cannot be written ({error.strerror}): make room and resume") from None
 
-    def read(self, rest: Any) -> Saved:
-        """The steps in the folder, in order, up to the first one missing.
-
-        Parameters
-        ----------
-        rest : object
-            Memory of the rest state, None or a dataclass of arrays: that of the states is of its kind.
+    def read_content(self) -> Iterator[dict[str, Any]]:
+        """Arrays by name, in the order of their numbers, up to the first one missing.
 
         Raises
         ------
@@ -107,11 +90,53 @@ class Checkpoints:
                     f"{path}: is a step of another problem: mesh, supports, loads, material or steps differ; give "
                     "another folder, or leave --resume out to start anew"
                 )
-            yield _march(content, rest)
+            yield content
             number += 1
 
 
-def _state(prefix: str, state: State) -> dict[str, Any]:
+class Checkpoints(Store):
+    """The steps of a path."""
+
+    def write(self, number: int, march: March, critical: Critical | None) -> None:
+        """Write a step.
+
+        Raises
+        ------
+        InputError
+            If it cannot be written; earlier steps are untouched.
+        """
+        content: dict[str, Any] = state_content("", march.state)
+        numbers = [march.size, march.moved, march.rate, march.attempts, march.jumps, march.branched]
+        content["march"] = np.array(numbers)
+        if march.crossing is not None:
+            c = march.crossing
+            content["crossing"] = np.array([c.steps, c.factor, c.negative, c.arc.length, c.arc.first])
+            if c.arc.moved is not None:
+                content["arc_moved"] = c.arc.moved
+        if critical is not None:
+            content |= {"critical_kind": critical.kind, "critical_mode": critical.mode}
+            content["critical_then"] = critical.then
+            content |= state_content("critical_", critical.state)
+        self.write_content(number, content)
+
+    def read(self, rest: Any) -> Saved:
+        """The steps in the folder, in order, up to the first one missing.
+
+        Parameters
+        ----------
+        rest : object
+            Memory of the rest state, None or a dataclass of arrays: that of the states is of its kind.
+
+        Raises
+        ------
+        InputError
+            If a file is damaged or of another problem.
+        """
+        return (_march(content, rest) for content in self.read_content())
+
+
+def state_content(prefix: str, state: State) -> dict[str, Any]:
+    """The arrays of a state, their names begun with a prefix."""
     out: dict[str, Any] = {
         f"{prefix}x": state.x,
         f"{prefix}state": np.array([state.factor, state.iterations, state.negative]),
@@ -123,7 +148,8 @@ def _state(prefix: str, state: State) -> dict[str, Any]:
     return out
 
 
-def _read_state(prefix: str, content: dict[str, Any], rest: Any) -> State:
+def read_state(prefix: str, content: dict[str, Any], rest: Any) -> State:
+    """The state among such arrays."""
     factor, iterations, negative = content[f"{prefix}state"]
     memory = None
     if is_dataclass(rest):
@@ -139,13 +165,13 @@ def _march(content: dict[str, Any], rest: Any) -> tuple[March, Critical | None]:
         steps, factor, negative, length, first = content["crossing"]
         arc = Arc(float(length), float(first), content.get("arc_moved"))
         crossing = Crossing(arc, int(steps), float(factor), int(negative))
-    state = _read_state("", content, rest)
+    state = read_state("", content, rest)
     march = March(
         state, float(size), float(moved), float(rate), int(attempts), int(jumps), bool(branched), crossing
     )
     if "critical_kind" not in content:
         return march, None
-    where = _read_state("critical_", content, rest)
+    where = read_state("critical_", content, rest)
     kind, mode = str(content["critical_kind"]), content["critical_mode"]
     then: Any = str(content["critical_then"])
     return march, Critical(kind, where, mode, then)

@@ -153,6 +153,13 @@ class Model(ABC):
         Matrices, factorisations and tables that do not depend on loads are shared.
         """
 
+    def loaded(self, structure: Structure, factor: float = 1.0) -> Self:
+        """The same under the loads and prescribed motions of a structure that differs in nothing else, times a factor.
+
+        Matrices, factorisations and tables that do not depend on loads are shared.
+        """
+        raise InputError(f"a {self.kind} with the element {self.element} does not move in time: {_OTHER}")
+
     # linear solution and what comes out
 
     def prepare(self) -> None:
@@ -226,8 +233,18 @@ class FiniteModel(Model):
         """Values at the probes of a linear solution, as in `Result.probes`."""
 
     @abstractmethod
-    def recover_state(self, state: State, work: float) -> Result:
-        """The result of a state of finite deformation, to which the loads did some work."""
+    def recover_state(self, state: State, work: float, inertia: Floats | None = None) -> Result:
+        """The result of a state of finite deformation, to which the loads did some work.
+
+        Parameters
+        ----------
+        inertia : (unknowns,), optional
+            Of a motion: forces of inertia and damping, which act as loads.
+        """
+
+    @abstractmethod
+    def rigid_motions(self, x: Floats) -> Floats:
+        """(unknowns, 6): unit translations, and turns about axes through the origin of the structure moved by x."""
 
     @abstractmethod
     def state_probes(self, state: State) -> dict[str, dict[str, Any]]:

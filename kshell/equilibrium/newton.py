@@ -73,7 +73,7 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
             change = change + shift
         stress = problem.energy.extrapolated_stress(energy.linear, change)
         x = x + change
-        scale = max(abs(energy.value) + abs(factor * float(growth @ x)), least)
+        scale = max(problem.scale + abs(energy.value) + abs(factor * float(growth @ x)), least)
         if iteration > 1 and work <= FINISHED * scale:
             return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
         if not np.isfinite(work) or (iteration > 2 and work > DIVERGED * first):

@@ -45,6 +45,8 @@ class Problem:
         Dead load that does not grow.
     initial : (triangle, r), optional
         Strains without stress at the factor 1.
+    scale : float
+        Energy beside that of strains and loads, such as the kinetic one of a motion, against which the error counts.
     """
 
     energy: StrainEnergy
@@ -54,6 +56,7 @@ class Problem:
     springs: sp.spmatrix | None = None
     constant: Floats | None = None
     initial: Floats | None = None
+    scale: float = 0.0
 
     def evaluate(
         self, x: Floats, factor: float, derivatives: int, memory: Any, stress: Floats | None = None

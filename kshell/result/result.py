@@ -85,8 +85,11 @@ class Result:
         Of modes: total_mass (6), and effective_mass (6) of all modes together.
     response : dict
         Of harmonic loads: frequency, damping, modes (natural frequencies), and per probe real and imaginary u.
-    series : list of (factor, callable)
-        Per entry of `path` a function that gives its Result.
+    history : dict of str to array
+        Of motion, the start and every step: time, kinetic_energy, strain_energy, external_work, dissipated_energy,
+        momentum, angular_momentum, impulse, reaction (step, 3), iterations, and probes with their displacements u.
+    series : list of (factor or time, callable)
+        Per entry of `path`, or state kept of a motion, a function that gives its Result.
     evaluate : callable, optional
         Points (n, 3) to a dict of arrays: values anywhere on the surface.
     error : dict
@@ -125,6 +128,7 @@ class Result:
     eigen: list[dict[str, Any]] = field(default_factory=list)
     modal: dict[str, Any] = field(default_factory=dict)
     response: dict[str, Any] = field(default_factory=dict)
+    history: dict[str, Any] = field(default_factory=dict)
     series: list[tuple[float, Callable[[], Result]]] = field(default_factory=list)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
     error: dict[str, Any] = field(default_factory=no_error_estimate)
@@ -213,6 +217,7 @@ class Result:
             **({"response": self.response} if self.response else {}),
             "path": self.path,
             **({"critical": self.critical} if self.critical else {}),
+            **({"history": self.history} if self.history else {}),
             "error": self.error,
             "solver": self.solver,
             "warnings": self.warnings,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import platform
@@ -12,7 +13,7 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,13 +38,16 @@ def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, 
         "result.vtu": lambda path: write_vtu(path, result),
     }
     if result.analysis == "path":
-        writers |= _series(result)
+        writers |= _series(result, "path.pvd")
     for name, case in result.cases.items():
         writers[f"{case_stem(name)}.vtu"] = partial(write_vtu, result=case)
         if case.analysis == "path" and name != result.case:
-            writers |= _series(case, f"{case_stem(name)}-")
+            writers |= _series(case, "path.pvd", f"{case_stem(name)}-")
     if result.cases:
         writers["envelope.vtu"] = partial(write_vtu, result=result.envelope.as_result())
+    if result.history:
+        writers |= _series(result, "series.pvd")
+        writers["history.csv"] = lambda path: _write_history(path, result.history)
     if result.eigen:
         writers |= _animated(result)
     return write_together(Path(folder), writers | dict(pictures))
@@ -54,16 +58,34 @@ def case_stem(name: str) -> str:
     return "case-" + re.sub(r"[^\w.+-]+", "-", name)
 
 
-def _series(result: Result, stem: str = "") -> dict[str, Writer]:
-    """One .vtu per load step, and the .pvd that lists them by load factor."""
+def _series(result: Result, collection: str, stem: str = "") -> dict[str, Writer]:
+    """One .vtu per load step or time, and the .pvd that lists them by load factor or time."""
     names = [f"{stem}step-{number:04d}.vtu" for number in range(len(result.series))]
     text = _collection([(factor, name) for name, (factor, _) in zip(names, result.series, strict=True)])
     writers: dict[str, Writer] = {
         name: lambda path, make=make: write_vtu(path, make())  # type: ignore[misc]
         for name, (_, make) in zip(names, result.series, strict=True)
     }
-    writers[f"{stem}path.pvd"] = lambda path: path.write_text(text, encoding="utf-8")
+    writers[f"{stem}{collection}"] = lambda path: path.write_text(text, encoding="utf-8")
     return writers
+
+
+def _write_history(path: Path, history: Mapping[str, Any]) -> None:
+    """The history of a motion as a table, vectors in three columns."""
+    columns: dict[str, Any] = {name: values for name, values in history.items() if name != "probes"}
+    columns |= {f"{name}.u": values["u"] for name, values in history.get("probes", {}).items()}
+    heads, table = [], []
+    for name, values in columns.items():
+        if values.ndim == 1:
+            heads.append(name)
+            table.append(values)
+        else:
+            heads += [f"{name}.{axis}" for axis in "xyz"]
+            table += list(values.T)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(heads)
+        writer.writerows(np.column_stack(table).tolist())
 
 
 def _collection(entries: Sequence[tuple[float, str]]) -> str:

@@ -87,6 +87,24 @@ def _damping(value: Any) -> Any:
     return float(value)
 
 
+def _duration(value: Any) -> Any:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < float("inf"):
+        raise ValueError("must be a number > 0")
+    return float(value)
+
+
+def _time_step(value: Any) -> Any:
+    return value if value == "auto" else _duration(value)
+
+
+def _output(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ValueError("must be a whole number > 0")
+    return value
+
+
 def _range(value: Any) -> Any:
     if value is None:
         return None
@@ -103,9 +121,9 @@ class SolveOptions:
 
     Attributes
     ----------
-    analysis : "static", "path", "modes" or "buckling"
+    analysis : "static", "path", "modes", "buckling" or "dynamic"
         Deflection under the loads, or under loads that grow from zero with a factor, through limit points; natural
-        frequencies; factors by which loads may grow before the structure buckles.
+        frequencies; factors by which loads may grow before the structure buckles; motion in time.
     model : "auto", "plate" or "shell"
         The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
     element : "auto", "morley", "argyris", "hhj" or "koiter"
@@ -138,9 +156,21 @@ class SolveOptions:
         Of a response: ratio of all modes.
     error : "auto" or "off"
         Whether intervals are found for what is computed.
+    time : float, optional
+        Of a motion: its end.
+    step : "auto" or float
+        Of a motion: "auto" begins with a fortieth of the period of the first mode and adapts; a number stays where
+        the step has an answer.
+    scheme : "auto", "alpha", "em", "bdf2" or "euler"
+        Of a motion: generalised alpha (auto); energy and momentum conserved; backward differences of order 2 and 1,
+        which damp.
+    output : int
+        Of a motion: how many states are kept and written, evenly in time.
+    ramp : float, optional
+        Of a motion: time over which all loads and prescribed motions grow from zero.
     """
 
-    analysis: Literal["static", "path", "modes", "buckling", "response"] = "static"
+    analysis: Literal["static", "path", "modes", "buckling", "response", "dynamic"] = "static"
     model: Literal["auto", "plate", "shell"] = "auto"
     element: Literal["auto", "morley", "argyris", "hhj", "koiter"] = "auto"
     order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8] = "auto"
@@ -155,6 +185,11 @@ class SolveOptions:
     prestress: Flag = False
     damping: Annotated[Any, BeforeValidator(_damping)] = 0.0
     error: Literal["auto", "off"] = "auto"
+    time: Annotated[Any, BeforeValidator(_duration)] = None
+    step: Annotated[Any, BeforeValidator(_time_step)] = "auto"
+    scheme: Literal["auto", "alpha", "em", "bdf2", "euler"] = "auto"
+    output: Annotated[Any, BeforeValidator(_output)] = 50
+    ramp: Annotated[Any, BeforeValidator(_duration)] = None
 
     @property
     def large_tolerance(self) -> float:

@@ -10,7 +10,8 @@ from pydantic import BeforeValidator
 
 from kshell.errors import InputError
 from kshell.mesh.words import clipped
-from kshell.values.expression import Expression
+from kshell.values.expression import PLACE, Expression
+from kshell.values.time import TIME
 
 Point = tuple[float, float, float]
 Place = str | tuple[str, ...] | Point
@@ -76,7 +77,7 @@ def _as_vector(value: Any) -> Any:
 
 def _formula(text: str) -> str:
     try:
-        Expression(text)
+        Expression(text, (*PLACE, TIME))
     except InputError as error:
         raise ValueError(str(error)) from None  # pydantic adds the key
     return text

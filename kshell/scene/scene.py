@@ -24,6 +24,7 @@ from kshell.scene.cases import Case, Combination, load_factors
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import Load
+from kshell.scene.motion import damping, initial_velocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import Point, as_point, as_scalar
 from kshell.scene.supports import Support
@@ -157,6 +158,10 @@ class Scene:
     geometry : path, optional
         .geo, .step, .brep or .iges from which a mesh of order 1 was made: its mid-edge nodes are put on the curves
         and surfaces there, which makes it one of order 2.
+    initial_velocity : (vx, vy, vz), function f(x, y, z), or {"value": ..., "on": group}, optional
+        At the start of a motion.
+    damping : Damping or dict, optional
+        Of a motion.
     title : str
     solve : SolveOptions or dict
         The defaults for `kshell.solve(scene)`.
@@ -187,6 +192,8 @@ class Scene:
     cases: Any = ()
     combinations: Any = ()
     lines: Any = ()
+    initial_velocity: Any = None
+    damping: Any = None
     title: str = ""
     solve: Any = field(default_factory=SolveOptions)
 
@@ -208,6 +215,8 @@ class Scene:
                 f"scene: imperfection = {shown(self.imperfection)}: must be a ks.Imperfection(...), for example "
                 "ks.Imperfection(amplitude=0.001)"
             )
+        object.__setattr__(self, "initial_velocity", initial_velocity(self.initial_velocity))
+        object.__setattr__(self, "damping", damping(self.damping))
         if isinstance(self.solve, Mapping):
             object.__setattr__(self, "solve", SolveOptions(**self.solve))
         if not isinstance(self.solve, SolveOptions):

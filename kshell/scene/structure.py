@@ -23,6 +23,7 @@ from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point
 from kshell.scene.scene import Scene
 from kshell.scene.supports import Support
+from kshell.values.time import at_time, depends_on_time
 
 Floats = NDArray[np.float64]
 T = TypeVar("T", Load, Support)
@@ -54,6 +55,20 @@ class Placed(Generic[T]):
             return mesh.points[self.place.members]
         corners = mesh.edges if self.place.dimension == 1 else mesh.triangles
         return mesh.points[np.unique(corners[self.place.members])]
+
+    @property
+    def depends_on_time(self) -> bool:
+        """Whether it changes with the time t."""
+        return any(depends_on_time(getattr(self.item, key, None)) for key in self.item.scaling)
+
+    def at_time(self, time: float) -> Placed[T]:
+        """The same at one time."""
+        if not self.depends_on_time:
+            return self
+        keys = [key for key in self.item.scaling if hasattr(self.item, key)]
+        item: Any = self.item
+        values = {key: at_time(getattr(item, key), time) for key in keys}
+        return replace(self, item=replace(item, **values))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +113,22 @@ class Structure:
         """The same with vertices moved."""
         return replace(self, space=space, section=self.section.on(space))
 
+    def at_time(self, time: float) -> Structure:
+        """The same with loads and prescribed motions as they are at one time."""
+        return replace(
+            self,
+            supports=tuple(placed.at_time(time) for placed in self.supports),
+            loads=tuple(placed.at_time(time) for placed in self.loads),
+        )
 
-def resolve(scene: Scene, mesh: Mesh) -> Structure:
+
+def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     """Find what a scene means on its mesh, as read.
+
+    Parameters
+    ----------
+    moving : bool
+        Whether values may depend on the time t; they are then looked at as they are at t = 0.
 
     Raises
     ------
@@ -111,11 +139,10 @@ def resolve(scene: Scene, mesh: Mesh) -> Structure:
     space = mesh_in_space(scene.chart, mesh)
     # values inside come at quadrature points: without a look at vertices a pole on one would go unnoticed
     supports = tuple(_supports(scene.supports, space))
-    for support in supports:
-        support.item.require_finite(support.vertices(space))
     loads = tuple(_load(load, space) for load in scene.loads)
-    for load in loads:
-        load.item.require_finite(load.vertices(space))
+    every: list[Placed[Any]] = [*supports, *loads]
+    for placed in every:
+        (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
     return Structure(
         space,
         mesh,
@@ -131,7 +158,7 @@ def resolve(scene: Scene, mesh: Mesh) -> Structure:
     )
 
 
-def problems(scene: Scene, mesh: Mesh) -> Iterator[str]:
+def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
     """Everything that `resolve` would raise, in words."""
     try:
         space = mesh_in_space(scene.chart, mesh)
@@ -146,7 +173,7 @@ def problems(scene: Scene, mesh: Mesh) -> Iterator[str]:
         try:
             found = _supports([item], space) if isinstance(item, Support) else [_load(item, space)]
             for placed in found:
-                placed.item.require_finite(placed.vertices(space))
+                (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
         except InputError as error:
             yield str(error)
 

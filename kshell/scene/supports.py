@@ -38,9 +38,12 @@ class Support:
         Whether the prescribed translation does not grow in buckling.
     dimensions : tuple of int
         What it may be on: 0 points, 1 curves, 2 surfaces.
+    scaling : tuple of str
+        Keys that a factor multiplies, and that may depend on the time t.
     """
 
     kind: ClassVar[str] = ""
+    scaling: ClassVar[tuple[str, ...]] = ("value",)
     dimensions: ClassVar[tuple[int, ...]] = (0, 1, 2)
     on: Place
     freedoms: str

@@ -16,6 +16,7 @@ from kshell.scene.cases import Case, Combination
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
+from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point
 from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
@@ -49,6 +50,8 @@ KEYS = [
     "case",
     "combination",
     "line",
+    "initial",
+    "damping",
     "solve",
 ]
 LINE_KEYS = ["name", "from", "to", "n"]
@@ -178,6 +181,12 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
         data.get("combination", []), "combination", source, lambda block: Combination(**block)
     )
     arguments["lines"] = _each(data.get("line", []), "line", source, line_from_dict)
+    if "initial" in data:
+        with inside(f"{source}, [initial]", "initial velocity: "):
+            arguments["initial_velocity"] = initial_from_dict(_table(data["initial"]))
+    if "damping" in data:
+        with inside(f"{source}, [damping]", "damping: "):
+            arguments["damping"] = Damping(**_table(data["damping"]))
     with inside(f"{source}, [solve]", "[solve]: "):
         arguments["solve"] = SolveOptions(**_table(data.get("solve", {})))
     return arguments
@@ -216,6 +225,16 @@ def imperfection_from_dict(data: dict[str, Any], folder: Path) -> Imperfection:
     """An imperfection; a relative path is relative to the folder."""
     found = Imperfection(**data)
     return found if found.file is None else Imperfection(**{**data, "file": folder / found.file})
+
+
+def initial_from_dict(data: dict[str, Any]) -> InitialVelocity:
+    """How a motion begins: its velocity, and where."""
+    for key in data:
+        if key not in ("velocity", "on"):
+            raise InputError(unknown_key(key, ["velocity", "on"]))
+    if "velocity" not in data:
+        raise InputError("velocity is missing: give [vx, vy, vz]")
+    return InitialVelocity(data["velocity"], data.get("on"))
 
 
 def support_from_dict(data: dict[str, Any]) -> Any:

@@ -33,11 +33,20 @@ def answer_linear(problem: ShellProblem, solution: LinearSolution) -> Result:
     )
 
 
-def answer_state(problem: ShellProblem, state: State, work: float) -> Result:
-    """The result of one state of large deflections, to which the loads did some work."""
+def answer_state(problem: ShellProblem, state: State, work: float, inertia: Floats | None = None) -> Result:
+    """The result of one state of large deflections, to which the loads did some work.
+
+    Parameters
+    ----------
+    inertia : (unknowns,), optional
+        Forces of inertia and damping, which act as loads.
+    """
     _, residual, _ = problem.equilibrium().evaluate(state.x, state.factor, 1, state.memory)
+    loads = problem.forces_at(state)
+    if inertia is not None:
+        residual, loads = residual + inertia, [*loads, inertia]
     solution = LinearSolution(state.x, -residual, np.zeros(0), ())
-    result = _answer(problem, solution, state_fields(problem, state), problem.forces_at(state), state.x)
+    result = _answer(problem, solution, state_fields(problem, state), loads, state.x)
     result.external_work = work
     return result
 

@@ -18,6 +18,7 @@ from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
 from kshell.result.deferred import Deferred
 from kshell.result.result import Result
+from kshell.scene.structure import Structure
 from kshell.shell import vibration
 from kshell.shell.answer import FRAME, answer_linear, answer_state, probes_of, small_fields, state_fields
 from kshell.shell.problem import ShellProblem
@@ -109,6 +110,11 @@ class ShellModel(FiniteModel):
         out.problem = self.problem.under(factors, motion)
         return out
 
+    def loaded(self, structure: Structure, factor: float = 1.0) -> ShellModel:
+        out = copy.copy(self)
+        out.structure, out.problem = structure, self.problem.loaded(structure, factor)
+        return out
+
     def _linear_solver(self) -> LinearSolver:
         problem = self.problem
         return LinearSolver(problem.energy, problem.reduction, problem.springs)
@@ -150,8 +156,11 @@ class ShellModel(FiniteModel):
         fields = small_fields(self.problem, solved.x, self.problem.loads.initial)
         return probes_of(self.problem, fields)[0]
 
-    def recover_state(self, state: State, work: float) -> Result:
-        return answer_state(self.problem, state, work)
+    def recover_state(self, state: State, work: float, inertia: Floats | None = None) -> Result:
+        return answer_state(self.problem, state, work, inertia)
+
+    def rigid_motions(self, x: Floats) -> Floats:
+        return self.problem.discretisation.rigid_motions(np.zeros(3), 1.0, x)
 
     def state_probes(self, state: State) -> dict[str, dict[str, Any]]:
         return probes_of(self.problem, state_fields(self.problem, state))[0]

@@ -89,6 +89,24 @@ class ShellProblem:
         out.reduction = self.reduction.times(motion)
         return out
 
+    def loaded(self, structure: Structure, factor: float) -> ShellProblem:
+        """The same shell under the loads and prescribed motions of another structure, times a factor."""
+        out = copy.copy(self)
+        out.__dict__.pop("load", None)
+        out.structure = structure
+        if structure.loads != self.structure.loads:
+            out.loads = apply_loads(
+                structure.loads, self.space, self.discretisation, self.energy, self.section
+            )
+        given = self.reduction.given
+        if structure.supports != self.structure.supports:
+            supports = apply_supports(structure.supports, self.space, self.discretisation)
+            given = supports.conditions.reduction().given
+        if factor != 1.0:
+            out.loads = out.loads.times([factor] * len(structure.loads))
+        out.reduction = self.reduction._replace(given=factor * given)
+        return out
+
     def _stiffness(self) -> Stiffness:
         """A, B, D about the meshed surface, offset below the middle of the material."""
         section, z = self.section, self.structure.offset

@@ -25,6 +25,7 @@ from kshell.values.naming import listing, suggestion
 LONGEST_TEXT = 2000
 DEEPEST_NESTING = 150
 
+PLACE = ("x", "y", "z")
 CONSTANTS = {"pi": math.pi, "e": math.e}
 
 # name: (fewest arguments, most arguments, numpy function); None: any number of arguments
@@ -100,7 +101,7 @@ class Expression:
     """
 
     text: str
-    names: tuple[str, ...] = ("x", "y", "z")
+    names: tuple[str, ...] = PLACE
     tree: ast.expr = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

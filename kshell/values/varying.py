@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.errors import InputError
 from kshell.mesh.words import shown
 from kshell.values.expression import Expression
+from kshell.values.time import NO_TIME, depends_on_time
 
 Floats = NDArray[np.float64]
 Scalar = float | str | Callable[..., Any]
@@ -81,7 +82,8 @@ def _scalar(value: Any, points: Floats, what: str) -> Floats:
         try:
             return Expression(value)(*points.T)
         except InputError as error:
-            raise InputError(f"{what}: {error}") from None
+            words = NO_TIME if depends_on_time(value) else error
+            raise InputError(f"{what}: {words}") from None
     if callable(value):
         return _call(value, points, (len(points),), what)
     return np.full(len(points), float(value))

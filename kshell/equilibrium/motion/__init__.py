@@ -1,0 +1,1 @@
+"""Motion in time by implicit steps, each of them one equilibrium."""

@@ -1,0 +1,197 @@
+"""One time step after another.
+
+Every step is an equilibrium with springs and a constant force that stand for inertia, solved as any other (newton.py).
+Rotations of edges have no mass and follow at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import splu
+
+from kshell.equilibrium.motion.energies import Middle, Viscous
+from kshell.equilibrium.motion.schemes import Alpha, Bdf2, Euler, Scheme, earlier
+from kshell.equilibrium.motion.state import Before, Motion
+from kshell.equilibrium.newton import correct
+from kshell.equilibrium.problem import Problem, State
+
+Floats = NDArray[np.float64]
+
+# what the factorisation and patterns of one step leave for the next
+KEPT = ("_factoriser", "_springs_added", "_load_added")
+ENERGY_MOMENTUM = "em"
+SCHEMES: dict[str, Callable[[], Scheme]] = {"alpha": Alpha, "bdf2": Bdf2, "euler": Euler}
+# error of a step of `em`, as `Scheme.error`
+MIDDLE_ERROR = 1.0 / 12.0
+
+
+class Integrator:
+    """Time steps of a structure under finite deformation.
+
+    Parameters
+    ----------
+    loaded : function of the time
+        The equilibrium under the loads and prescribed motions of that time, all at the factor 1.
+    mass : (unknowns, unknowns) CSR matrix
+    scheme : "alpha", "em", "bdf2" or "euler"
+    viscosity : float
+        Time tau of a material of Kelvin and Voigt: its stress is that of the strain plus tau times the strain rate.
+    drag : float
+        Force on mass and velocity, per time.
+    """
+
+    def __init__(
+        self,
+        loaded: Callable[[float], Problem],
+        mass: sp.csr_matrix,
+        scheme: str = "alpha",
+        viscosity: float = 0.0,
+        drag: float = 0.0,
+    ) -> None:
+        self.loaded, self.viscosity, self.drag = loaded, viscosity, drag
+        self.mass = mass.tocsr()
+        self.mass.sum_duplicates()
+        self.scheme: Scheme | None = None if scheme == ENERGY_MOMENTUM else SCHEMES[scheme]()
+        self.massive = self.mass.diagonal() > 0.0
+        self._kept: dict[str, Any] = {}
+        self._basis = loaded(0.0).reduction.basis
+        reduced = (self._basis.T @ self.mass @ self._basis).tocsc()
+        self._moving = np.flatnonzero(reduced.diagonal() > 0.0)
+        self._solve = splu(reduced[self._moving][:, self._moving]).solve if len(self._moving) else None
+
+    @property
+    def error(self) -> float:
+        """The error of a step is about this times step^2 times the change of the acceleration."""
+        return MIDDLE_ERROR if self.scheme is None else self.scheme.error
+
+    def by_mass(self, force: Floats) -> Floats:
+        """(unknowns,) the motion that the mass turns into a force on what is free: velocity of a momentum."""
+        out = np.zeros(self._basis.shape[1])
+        if self._solve is not None:
+            out[self._moving] = self._solve((self._basis.T @ force)[self._moving])
+        return np.where(self.massive, self._basis @ out, 0.0)
+
+    def start(self, momentum: Floats | None = None) -> Motion:
+        """The motion at the time 0, at rest or with a momentum (unknowns,)."""
+        problem = self.loaded(0.0)
+        still = np.zeros(problem.energy.unknowns)
+        velocity = still if momentum is None else self.by_mass(momentum)
+        motion = self._finished(problem, 0.0, problem.start(), velocity, still, None, None)
+        return replace(motion, acceleration=self.by_mass(motion.force))
+
+    def step(self, motion: Motion, size: float) -> Motion:
+        """The motion a step later.
+
+        Raises
+        ------
+        SolveError
+            If the step has no answer; a shorter one may.
+        """
+        return (self._middle if self.scheme is None else self._end)(motion, size)
+
+    def _end(self, motion: Motion, size: float) -> Motion:
+        assert self.scheme is not None
+        problem = self.loaded(motion.time + size)
+        rule = self.scheme.rule(motion, size, self.mass)
+        coefficient = rule.w * rule.c + self.drag * rule.d
+        known = self.mass @ (rule.w * rule.acceleration + self.drag * rule.velocity) + rule.rest
+        energy: Any = problem.energy
+        if self.viscosity:
+            energy = Viscous(energy, motion.strain, self.viscosity / size)
+        found = self._correct(problem, motion, energy, problem.springs, coefficient, known)
+        moved = found.x + (found.turned - motion.state.turned)
+        velocity = np.where(self.massive, rule.d * moved - rule.velocity, 0.0)
+        acceleration = np.where(self.massive, rule.c * moved - rule.acceleration, 0.0)
+        return self._finished(
+            problem, motion.time + size, found, velocity, acceleration, earlier(motion, size), motion.strain
+        )
+
+    def _middle(self, motion: Motion, size: float) -> Motion:
+        problem = self.loaded(motion.time + 0.5 * size)
+        end = self.loaded(motion.time + size)
+        x = motion.x
+        energy = Middle(problem.energy, motion.strain, self.viscosity / size, x)
+        coefficient = 2.0 / size**2 + self.drag / size
+        known = self.mass @ (coefficient * x + 2.0 / size * motion.velocity)
+        springs = problem.springs
+        if springs is not None:
+            springs = 0.5 * springs
+            known = known - springs @ x
+        if problem.follower is not None:
+            follower = problem.follower
+
+            def halfway(there: Floats) -> tuple[Floats, sp.csr_matrix]:
+                force, stiffness = follower(0.5 * (x + there))
+                return force, 0.5 * stiffness
+
+            problem = replace(problem, follower=halfway)
+        problem = replace(problem, reduction=end.reduction, initial=end.initial)
+        found = self._correct(problem, motion, energy, springs, coefficient, known)
+        moved = found.x + (found.turned - motion.state.turned)
+        velocity = np.where(self.massive, 2.0 / size * (moved - x) - motion.velocity, 0.0)
+        acceleration = (velocity - motion.velocity) / size
+        return self._finished(
+            end, motion.time + size, found, velocity, acceleration, earlier(motion, size), motion.strain
+        )
+
+    def _correct(
+        self,
+        problem: Problem,
+        motion: Motion,
+        energy: Any,
+        springs: sp.spmatrix | None,
+        coefficient: float,
+        known: Floats,
+    ) -> State:
+        """The equilibrium of a step, from the state before it."""
+        inertia = coefficient * self.mass
+        constant = known if problem.constant is None else known + problem.constant
+        before = self.loaded(motion.time).reduction.given
+        step = replace(
+            problem,
+            energy=energy,
+            # prescribed motions grow from where they are; the factor counts from 0 to 1 in every step
+            reduction=problem.reduction._replace(given=problem.reduction.given - before),
+            springs=inertia if springs is None else (springs + inertia).tocsr(),
+            constant=constant,
+            scale=0.5 * float(motion.velocity @ (self.mass @ motion.velocity)),
+        )
+        step.__dict__.update(self._kept)
+        found = correct(step, replace(motion.state, factor=0.0, negative=0), 1.0)
+        self._kept = {key: step.__dict__[key] for key in KEPT if key in step.__dict__}
+        return found
+
+    def _finished(
+        self,
+        problem: Problem,
+        time: float,
+        state: State,
+        velocity: Floats,
+        acceleration: Floats,
+        before: Before | None,
+        strain: Floats | None,
+    ) -> Motion:
+        """The motion at the end of a step that began with an elastic strain (triangle, r)."""
+        energy = problem.energy.energy(state.x, 1, state.memory, None, problem.initial)
+        internal, value = energy.gradient, energy.value
+        damping = self.drag * (self.mass @ velocity)
+        if self.viscosity and before is not None:
+            rate = (energy.linear.strain - strain) / before.step
+            stress = problem.energy.stress(self.viscosity * rate)
+            damping = damping + problem.energy.forces(energy.linear, stress)
+        load = problem.load
+        if problem.follower is not None:
+            load = load + problem.follower(state.x)[0]
+        if problem.springs is not None:
+            pull = problem.springs @ state.x
+            internal, value = internal + pull, value + 0.5 * float(state.x @ pull)
+        force = np.where(self.massive, load - internal - damping, 0.0)
+        return Motion(
+            time, state, velocity, acceleration, force, load, damping, value, energy.linear.strain, before
+        )

@@ -1,0 +1,72 @@
+"""How a motion begins and what damps it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from kshell.errors import InputError
+from kshell.scene.places import On, VectorValue
+from kshell.values.validation import Number, described
+
+
+@described("initial velocity")
+class InitialVelocity:
+    """The velocity at the time 0.
+
+    Attributes
+    ----------
+    value : (vx, vy, vz) of numbers or expressions in x, y, z, or function f(x, y, z) that returns three components
+    on : str or list of str, optional
+        Surface groups that move; everything if absent.
+    """
+
+    value: VectorValue
+    on: On | None = None
+
+
+def initial_velocity(value: Any) -> InitialVelocity | None:
+    """From what a scene takes: a vector, a function, or a dict with value and on."""
+    if value is None or isinstance(value, InitialVelocity):
+        return value
+    return InitialVelocity(**value) if isinstance(value, Mapping) else InitialVelocity(value)
+
+
+@described("damping")
+class Damping:
+    """What damps a motion.
+
+    Attributes
+    ----------
+    ratio : float, optional
+        Of the first mode, to critical damping, by a viscous material: mode k gets omega_k / omega_1 times that.
+    viscosity : float, optional
+        Time tau of a material of Kelvin and Voigt instead: its stress is that of the strain plus tau times its rate.
+    drag : float
+        Force against the velocity, per mass: 1 / time.
+    """
+
+    ratio: Number | None = None
+    viscosity: Number | None = None
+    drag: Number = 0.0
+
+    def __post_init__(self) -> None:
+        if self.ratio is not None and self.viscosity is not None:
+            raise InputError(
+                "damping: ratio and viscosity given: the ratio makes a viscosity of its own, leave one out"
+            )
+        for key in ("ratio", "viscosity", "drag"):
+            value = getattr(self, key)
+            if value is not None and value < 0.0:
+                raise InputError(f"damping: {key} = {value:g} must not be negative")
+
+
+def damping(value: Any) -> Damping | None:
+    """From what a scene takes."""
+    if value is None or isinstance(value, Damping):
+        return value
+    if not isinstance(value, Mapping):
+        raise InputError(
+            f"scene: damping = {value!r}: must be ks.Damping(...), for example ks.Damping(ratio=0.02)"
+        )
+    return Damping(**value)

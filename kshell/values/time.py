@@ -1,0 +1,52 @@
+"""Values that depend on the time t: formulas with t, and what they are at one time."""
+
+from __future__ import annotations
+
+import ast
+from typing import Any
+
+from kshell.errors import InputError
+
+TIME = "t"
+NO_TIME = (
+    't is the time of a motion, analysis = "dynamic" (kshell simulate, ks.simulate): elsewhere leave it out'
+)
+
+
+def depends_on_time(value: Any) -> bool:
+    """Whether a value, or a component of it, is a formula with t."""
+    if isinstance(value, tuple | list):
+        return any(depends_on_time(part) for part in value)
+    return isinstance(value, str) and any(
+        isinstance(node, ast.Name) and node.id == TIME for node in ast.walk(_tree(value))
+    )
+
+
+def at_time(value: Any, time: float) -> Any:
+    """The value at one time: in formulas the number stands for t.
+
+    Parameters
+    ----------
+    value : number, formula, function, or a tuple of these
+        Formulas have been checked.
+    """
+    if isinstance(value, tuple):
+        return tuple(at_time(part, time) for part in value)
+    if not depends_on_time(value):
+        return value
+    return ast.unparse(_AtTime(time).visit(_tree(value)))
+
+
+def _tree(text: str) -> ast.expr:
+    try:
+        return ast.parse(text.strip(), mode="eval").body
+    except SyntaxError:
+        raise InputError(f'"{text}" is not a formula') from None
+
+
+class _AtTime(ast.NodeTransformer):
+    def __init__(self, time: float) -> None:
+        self.time = float(time)
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return ast.Constant(self.time) if node.id == TIME else node
