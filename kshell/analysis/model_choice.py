@@ -170,6 +170,10 @@ def _require_motion(options: SolveOptions) -> None:
             "a motion is computed with large deflections, small ones being a case of them: leave "
             "large_deflection = false out"
         )
+    if options.tolerance is not None:
+        raise InputError(
+            "tolerance: the error of a motion is not known yet: leave it out, and refine mesh and step by hand"
+        )
     if options.model == "plate" or options.element in ("morley", "hhj"):
         raise InputError(
             'a motion is that of a shell, flat ones too: leave model and element out, or model = "shell"'
