@@ -65,6 +65,10 @@ def answer_cases(run: Run, analyse: Analyse) -> Result:
 
 def _require_possible(run: Run) -> None:
     options = run.options
+    if options.analysis == "dynamic":
+        raise InputError(
+            "a motion has one set of loads: leave the cases out, or take one of them, ks.simulate(scene.of_case(name))"
+        )
     if options.tolerance is not None and options.analysis == "static":
         raise InputError(
             f"tolerance = {options.tolerance:g} with load cases: every case would be refined to a mesh of its own, on "

@@ -104,7 +104,7 @@ class ShellProblem:
             given = supports.conditions.reduction().given
         if factor != 1.0:
             out.loads = out.loads.times([factor] * len(structure.loads))
-        out.reduction = self.reduction._replace(given=factor * given)
+        out.reduction = self.reduction._replace(given=factor * given, following=None)
         return out
 
     def _stiffness(self) -> Stiffness:

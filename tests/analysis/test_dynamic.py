@@ -261,6 +261,12 @@ def test_what_cannot_move_is_refused():
     jump = cantilever(supports=[ks.Fixed("x0", "xyzr", value=(0, 0, 0.01))])
     with pytest.raises(ks.InputError, match="would jump"):
         ks.simulate(jump)
+    weight = ks.Gravity((0, 0, -9.81), name="weight")
+    cases = cantilever(loads=[weight], cases=[ks.Case("dead", ["weight"])])
+    with pytest.raises(ks.InputError, match="of_case"):
+        ks.simulate(cases)
+    with pytest.raises(ks.InputError, match="tolerance"):
+        ks.simulate(cantilever(), tolerance=0.01)
     with pytest.raises(ks.InputError, match="model"):
         ks.simulate(cantilever(), model="plate", order="auto")
 

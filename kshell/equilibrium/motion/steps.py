@@ -157,7 +157,7 @@ class Integrator:
             problem,
             energy=energy,
             # prescribed motions grow from where they are; the factor counts from 0 to 1 in every step
-            reduction=problem.reduction._replace(given=problem.reduction.given - before),
+            reduction=problem.reduction._replace(given=problem.reduction.given - before, following=None),
             springs=inertia if springs is None else (springs + inertia).tocsr(),
             constant=constant,
             scale=0.5 * float(motion.velocity @ (self.mass @ motion.velocity)),
