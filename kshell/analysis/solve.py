@@ -236,10 +236,6 @@ def answer(
         if isinstance(error.state, Result):
             _of_scene(error.state, scene)
         raise
-    if chosen.tolerance is not None and chosen.analysis in ("static", "path"):
-        result.warnings.append(
-            f"tolerance = {chosen.tolerance:g} decides about large deflections only: the mesh is solved as given"
-        )
     for words in result.warnings:
         warnings.warn(words, KshellWarning, stacklevel=3)  # at the call of `solve` or `trace`
     return _of_scene(result, scene)

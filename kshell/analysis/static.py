@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,9 @@ from kshell.analysis.large import Indicator, indicate
 from kshell.analysis.path import Trace, answer_trace, described_trace, grow_load
 from kshell.analysis.run import Run, described
 from kshell.equilibrium.model import FiniteModel, Model, Solved
+from kshell.equilibrium.problem import State
+from kshell.error.assess import DUALS, assess
+from kshell.error.assessment import Assessment
 from kshell.errors import SolveError
 from kshell.result.result import Result
 from kshell.scene.options import TOLERANCE
@@ -25,8 +29,26 @@ MOST_TRIANGLES = 20_000
 ABSURD = 10.0
 
 
+@dataclass(frozen=True)
+class Answered:
+    """A static answer before anything is said of its error.
+
+    Attributes
+    ----------
+    result : Result
+    model : Model
+        What answered, which may be another one than was asked.
+    state : Solved or State
+        Its solution, or the end state of large deflections.
+    """
+
+    result: Result
+    model: Model
+    state: Solved | State
+
+
 def analyse(model: Model, run: Run) -> Result:
-    """The static answer.
+    """The static answer, with intervals of what it says.
 
     Raises
     ------
@@ -37,6 +59,26 @@ def analyse(model: Model, run: Run) -> Result:
     Interrupted
         If the user stopped a growing load; its `state` as above.
     """
+    answered = answer_once(model, run)
+    if run.options.error != "off":
+        estimated(answered, run)
+    return answered.result
+
+
+def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> Assessment:
+    """The estimate of an answer, filled into its result; of the first probes, or of those named."""
+    result = answered.result
+    with run.clock.stage("estimate"):
+        duals = DUALS if names is None else 3 * len(names)
+        found = assess(answered.model, answered.state, result, duals, names)
+        found.with_share((result.error["budget"]["algebra"] or 0.0) + (found.geometry or 0.0))
+        found.document(result, run.options.quantity)
+    result.solver["seconds"] = {**run.clock.seconds}
+    return found
+
+
+def answer_once(model: Model, run: Run) -> Answered:
+    """The static answer on the mesh as it is; see `analyse`."""
     options = run.options
     if not isinstance(model, FiniteModel):
         return _linear_only(model, run)
@@ -47,7 +89,7 @@ def analyse(model: Model, run: Run) -> Result:
         if not options.large_asked:
             solved = model.solve(options.solver)
             if options.large_deflection == "auto":
-                indicator = indicate(model, solved.own, options.large_tolerance)
+                indicator = indicate(model, solved.own, TOLERANCE)
         if solved is None or (indicator is not None and indicator.matters):
             trace = grow_load(model, run)
     with run.clock.stage("recover"):
@@ -59,14 +101,16 @@ def analyse(model: Model, run: Run) -> Result:
             result = model.recover(solved)
             reasons = [_ASKED if indicator is None else indicator.words()]
     if trace is None:
+        assert solved is not None
         if indicator is not None:
             result.error["budget"]["large_deflection"] = indicator.change
-        return described(result, model, run, reasons, _solver(solved), large=False)
+        described(result, model, run, reasons, _solver(solved), large=False)
+        return Answered(result, model, solved)
     if indicator is not None and isinstance(trace.failure, SolveError):
         trace.failure = SolveError(
             f"{trace.failure}. {indicator.words()}; large_deflection = false answers with the linear solution"
         )
-    return described_trace(model, run, result, trace, reasons)
+    return Answered(described_trace(model, run, result, trace, reasons), model, trace.states[-1])
 
 
 _LINEAR = "linear: only small deflections are computed"
@@ -97,7 +141,7 @@ def _vector(u: NDArray[np.float64]) -> str:
     return "(" + ", ".join(f"{0.0 if abs(c) < 1e-9 * largest else c:.5g}" for c in u) + ")"
 
 
-def _linear_only(model: Model, run: Run) -> Result:
+def _linear_only(model: Model, run: Run) -> Answered:
     """The answer of a model without finite deformation, or of one that has it, where the deflection is not small.
 
     A clamped circular plate with an immovable edge deflects less by about 0.47 (w / t)^2 of w, a simply supported one
@@ -116,10 +160,13 @@ def _linear_only(model: Model, run: Run) -> Result:
     thickness = float(plate.cell_fields["thickness"].max())
     ratio = abs(plate.extremes["deflection"]["value"]) / thickness
     words = f"the largest deflection is {ratio:.2g} times the thickness"
-    small = SMALL * math.sqrt(options.large_tolerance / TOLERANCE)  # the change grows with its square
-    if ratio <= small or options.large_deflection is False:
+    answered = Answered(plate, model, solved)
+    plate.error["budget"]["large_deflection"] = (
+        TOLERANCE * (ratio / SMALL) ** 2
+    )  # where supports hold it in its plane
+    if ratio <= SMALL or options.large_deflection is False:
         plate.model["reasons"].append(f"linear: {words}")
-        return plate
+        return answered
     doubt = f"{words}: where the supports hinder it from moving in its plane it stretches and gets stiffer"
     asked = options.model == model.kind or options.element != "auto" or options.solver == "multigrid"
     mesh = run.structure.space
@@ -133,14 +180,16 @@ def _linear_only(model: Model, run: Run) -> Result:
             f'{doubt}; large_deflection = true computes that (with model and element "auto"), large_deflection = false '
             "keeps the linear plate without this warning"
         )
-        return plate
+        return answered
     again = run.with_options(model="shell")
-    shell = analyse(again.model(), again)
-    if shell.model["large_deflection"]:
-        shell.model["reasons"][0] = f"kind shell: {words}"
+    shell = answer_once(again.model(), again)
+    found = shell.result
+    if found.model["large_deflection"]:
+        found.model["reasons"][0] = f"kind shell: {words}"
         return shell
-    plate.model["reasons"] += [f"linear: {words}", *(r for r in shell.model["reasons"] if "linear" in r)]
-    return plate
+    plate.error["budget"]["large_deflection"] = found.error["budget"]["large_deflection"]
+    plate.model["reasons"] += [f"linear: {words}", *(r for r in found.model["reasons"] if "linear" in r)]
+    return answered
 
 
 def _held_in_plane(ratio: float) -> float:

@@ -129,6 +129,10 @@ class LinearSolver:
             )
         return LinearSolution(x, forces, stress, tuple(corrections))
 
+    def respond(self, load: Floats) -> Floats:
+        """(free,) unknowns under a load on them alone, not refined."""
+        return np.asarray(self._solve(load))
+
     def _require_stiff(self, motion: Floats) -> None:
         """Refuse a mechanism, whether the load drives it or not.
 

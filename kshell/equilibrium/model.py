@@ -178,6 +178,18 @@ class Model(ABC):
             If no answer was reached.
         """
 
+    def respond(self, load: Floats) -> Floats:
+        """(q,) unknowns under a load vector (q,) on them alone, on the factors of `solve`: for duals.
+
+        Raises
+        ------
+        InputError
+            If the model has no such factors.
+        """
+        raise InputError(
+            f"a {self.kind} with the element {self.element} answers to no single load vector: {_OTHER}"
+        )
+
     @abstractmethod
     def recover(self, solved: Solved) -> Result:
         """Fields, probes, reactions, energies and warnings of a linear solution; the rest is the analysis's to fill."""

@@ -32,6 +32,7 @@ ROUNDED_FROM = 20_000  # unknowns from which rounding of the matrix exceeds 1e-1
 # size of the plate over the height of its triangles: rounding grows with its fourth power, on a slender ring sector of
 # 2,048 triangles (ratio 1300) to 2e-4 of the loads; a square with the unknowns above has 65
 SLENDER_FROM = 65.0
+DUAL_TOLERANCE = 1e-8  # of duals, which estimates take to a few digits
 
 
 class PlateModel(Model):
@@ -58,7 +59,7 @@ class PlateModel(Model):
         self.problem = PlateProblem(structure, ELEMENTS[element]())
         self.element, self.order = element, self.problem.element.maxdeg
         self.reasons = list(reasons)
-        self._prepared: dict[str, Prepared] | None = None  # by solver, where several loads are solved for
+        self._prepared: dict[str, Prepared] = {}  # by solver, for further loads and duals
 
     @property
     def unknowns(self) -> int:
@@ -108,8 +109,6 @@ class PlateModel(Model):
         return vibration.energies(self.problem, vectors)
 
     def under(self, factors: Sequence[float], motion: float = 1.0) -> PlateModel:
-        if self._prepared is None:
-            self._prepared = {}
         out = copy.copy(self)
         out.problem = self.problem.under(factors, motion)
         return out
@@ -141,12 +140,15 @@ class PlateModel(Model):
         # rounding of the matrix costs quintics digits on fine meshes: residuals through strains keep them
         fine = quintic and (slender or self.unknowns > ROUNDED_FROM)
         product = strain_product(problem) if fine else None
-        prepared = None if self._prepared is None else self._prepared.get(solver)
+        prepared = self._prepared.get(solver)
         if prepared is None:
-            prepared = prepare(problem.assembled.matrix, problem.space, solver)
-            if self._prepared is not None:
-                self._prepared[solver] = prepared
+            prepared = self._prepared[solver] = prepare(problem.assembled.matrix, problem.space, solver)
         return prepared.solve(rhs, product=product)
+
+    def respond(self, load: Floats) -> Floats:
+        for prepared in self._prepared.values():
+            return np.asarray(prepared.solve(load, DUAL_TOLERANCE).x, dtype=np.float64)
+        return np.asarray(self._solve(load, "auto").x, dtype=np.float64)
 
     def recover(self, solved: Solved) -> Result:
         return recover(self.problem, solved.x, solved.own)

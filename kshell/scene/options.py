@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Annotated, Any, Literal
@@ -57,12 +58,52 @@ def _control(value: Any) -> Any:
     return value
 
 
-def _tolerance(value: Any) -> Any:
+def as_tolerance(value: Any) -> Any:
+    """A relative tolerance from a number, or from words such as "1%"."""
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < 1.0:
-        raise ValueError("must be a number between 0 and 1, such as 0.01")
-    return float(value)
+    wanted = 'must be a number between 0 and 1, such as 0.01, or a percentage, such as "1%"'
+    number = value
+    if isinstance(value, str):
+        text = value.strip()
+        try:
+            number = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+        except ValueError:
+            raise ValueError(wanted) from None
+    if isinstance(number, bool) or not isinstance(number, (int, float)) or not 0.0 < number < 1.0:
+        raise ValueError(wanted)
+    return float(number)
+
+
+SECONDS = {"s": 1.0, "min": 60.0, "h": 3600.0}
+BYTES = {"kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
+
+
+def _limit(value: Any) -> Any:
+    """A time or a size of memory, as text; see `SolveOptions.time_limit`."""
+    if value is None:
+        return None
+    units = {**SECONDS, **BYTES}
+    found = (
+        re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-z]+)\s*", value)
+        if isinstance(value, str)
+        else None
+    )
+    try:
+        number = 0.0 if found is None else float(found[1])
+    except ValueError:
+        number = 0.0
+    if found is None or found[2] not in units or not 0.0 < number < float("inf"):
+        raise ValueError(
+            f'must be a time or a size of memory such as "60 s" or "4 GB"; units: {", ".join(units)}'
+        )
+    return f"{number:g} {found[2]}"
+
+
+def _quantity(value: Any) -> Any:
+    if value is not None and (not isinstance(value, str) or not value):
+        raise ValueError('must be "energy", "probes" or the name of a probe')
+    return value
 
 
 def _branch(value: Any) -> Any:
@@ -133,10 +174,13 @@ class SolveOptions:
     order : "auto", 1, 2, ... 8
         Of the Koiter element, up to 3, and of HHJ plates.
     large_deflection : "auto", True or False
-        "auto": small deflections first, large ones where they differ by more than `tolerance`.
+        "auto": small deflections first, large ones where they differ by more than 1 %.
     tolerance : float, optional
-        Relative change of the displacements from which large deflections matter under "auto", 1 % if not given.
-        The mesh is solved as given.
+        Relative: the mesh is refined until what is asked for is known that well. Absent: it is solved as given.
+    quantity : str, optional
+        What the tolerance is for: "energy", "probes", or the name of one; the probes where there are any if absent.
+    limit : str, optional
+        A time or a size of memory, "60 s" or "4 GB", at which the mesh is refined no more.
     solver : "auto", "direct" or "multigrid"
         How the linear system is solved.
     steps : "auto" or int
@@ -175,7 +219,9 @@ class SolveOptions:
     element: Literal["auto", "morley", "argyris", "hhj", "koiter"] = "auto"
     order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8] = "auto"
     large_deflection: Annotated[Any, BeforeValidator(_large)] = "auto"
-    tolerance: Annotated[Any, BeforeValidator(_tolerance)] = None
+    tolerance: Annotated[Any, BeforeValidator(as_tolerance)] = None
+    quantity: Annotated[Any, BeforeValidator(_quantity)] = None
+    limit: Annotated[Any, BeforeValidator(_limit)] = None
     solver: Literal["auto", "direct", "multigrid"] = "auto"
     steps: Annotated[Any, BeforeValidator(_steps)] = "auto"
     control: Annotated[Any, BeforeValidator(_control)] = None
@@ -192,9 +238,18 @@ class SolveOptions:
     ramp: Annotated[Any, BeforeValidator(_duration)] = None
 
     @property
-    def large_tolerance(self) -> float:
-        """Relative change of the displacements from which large deflections matter."""
-        return TOLERANCE if self.tolerance is None else float(self.tolerance)
+    def time_limit(self) -> float:
+        """Seconds after which the mesh is refined no more; infinite where there is no such limit."""
+        return self._limited(SECONDS)
+
+    @property
+    def memory_limit(self) -> float:
+        """Bytes beyond which the mesh is refined no more; infinite where there is no such limit."""
+        return self._limited(BYTES)
+
+    def _limited(self, units: Mapping[str, float]) -> float:
+        number, _, unit = (self.limit or " ").partition(" ")
+        return float(number) * units[unit] if unit in units else float("inf")
 
     @property
     def large_asked(self) -> bool:

@@ -42,7 +42,7 @@ class ShellModel(FiniteModel):
     def __init__(self, problem: ShellProblem, reasons: Sequence[str]) -> None:
         self.problem, self.structure, self.reasons = problem, problem.structure, list(reasons)
         self.element, self.order = problem.discretisation.name, problem.discretisation.order
-        self._solver: LinearSolver | None = None  # where several loads are solved for
+        self._solver: LinearSolver | None = None  # kept for further loads, and duals
 
     @property
     def unknowns(self) -> int:
@@ -121,13 +121,19 @@ class ShellModel(FiniteModel):
 
     def solve(self, solver: str = "auto") -> Solved:
         problem = self.problem
-        linear = self._linear_solver() if self._solver is None else self._solver
-        solution = linear.solve(problem.load, problem.reduction.given, problem.loads.initial)
+        if self._solver is None:
+            self._solver = self._linear_solver()
+        solution = self._solver.solve(problem.load, problem.reduction.given, problem.loads.initial)
         if not np.isfinite(solution.x).all():
             raise SolveError(
                 "the solution is not finite: check the magnitudes of stiffness and loads", state=solution.x
             )
         return Solved(solution.x, "direct", "shells are factorised", len(solution.corrections), solution)
+
+    def respond(self, load: Floats) -> Floats:
+        if self._solver is None:
+            self._solver = self._linear_solver()
+        return self._solver.respond(load)
 
     def recover(self, solved: Solved) -> Result:
         return answer_linear(self.problem, solved.own)

@@ -76,15 +76,6 @@ def test_auto_goes_on_where_it_matters_and_says_so():
     assert asked.model["kind"] == "plate"
 
 
-def test_tolerance_decides_what_matters():
-    scene = large_scenes.cantilever()
-    bent = dataclasses.replace(scene, loads=[ks.LineForce("x1", (0, 0, 0.4))])
-    assert ks.solve(bent).model["large_deflection"]
-    assert not ks.solve(bent, tolerance=0.2).model["large_deflection"]
-    with pytest.raises(ks.InputError, match="between 0 and 1"):
-        ks.solve(bent, tolerance=2)
-
-
 def test_auto_leaves_plates_whose_motion_in_the_plane_is_not_said_linear_and_warns():
     disk = ks.geometry.Plane().mesh(6, 6, names=("a", "b", "c", "d"))
     edges, unit = ["a", "b", "c", "d"], ks.Isotropic(E=12 * (1 - 0.3**2) / 1e-6, nu=0.3)

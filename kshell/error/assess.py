@@ -1,0 +1,61 @@
+"""The estimate that a model has: the one place that knows which."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from kshell.equilibrium.model import Model, Solved
+from kshell.equilibrium.problem import State
+from kshell.error.assessment import Assessment
+from kshell.result.result import Result
+
+DUALS = 3  # dual solutions at most, where no tolerance asks for more
+
+
+def assess(
+    model: Model,
+    answer: Solved | State,
+    result: Result,
+    duals: int = DUALS,
+    names: Sequence[str] | None = None,
+) -> Assessment:
+    """How far a result may be from the exact one of its model.
+
+    Parameters
+    ----------
+    model : Model
+    answer : Solved or State
+        Of small deflections, or the end of large ones.
+    result : Result
+        Of that answer.
+    duals : int
+        How many dual solutions may be made.
+    names : sequence of str, optional
+        Probes; all if absent.
+    """
+    from kshell.plate.model import PlateModel
+    from kshell.shell.koiter.model import KoiterModel
+
+    wanted = list(model.structure.probes) if names is None else list(names)
+    rest: Any = answer
+    if isinstance(model, KoiterModel):
+        from kshell.error import shells
+
+        if isinstance(answer, State):
+            return shells.assess_state(model, answer, result, duals, wanted)
+        return shells.assess_small(model, rest.x, result, duals, wanted)
+    if isinstance(model, PlateModel) and model.element == "argyris":
+        from kshell.error.plates import assess_residual
+
+        return assess_residual(model, rest.x, result, duals, wanted)
+    return Assessment(
+        why_not=_WITHOUT.get((model.kind, model.element), "no estimate is known for this model")
+    )
+
+
+_WITHOUT = {
+    ("shell", "argyris"): 'no estimate for Argyris shells on charts: element = "koiter" has one',
+    ("plate", "morley"): 'no estimate for Morley plates: element = "argyris" has one',
+    ("plate", "hhj"): 'no estimate for HHJ plates: element = "argyris" has one, and bounds with a tolerance',
+}

@@ -1,0 +1,148 @@
+"""How good a result is: intervals of its energy and its probes, where its error sits, and the budget of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.error.estimate import Estimate
+from kshell.result.result import Result
+
+Floats = NDArray[np.float64]
+
+ENERGY, PROBES = "energy", "probes"
+STILL = 1e-12  # displacement of a probe, in the largest one, that is none
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A displacement and how far it can be from the truth, component by component.
+
+    Attributes
+    ----------
+    value, half_width, expected : (3,) arrays
+        `expected` is the size that the error is likely to have, at most `half_width`.
+    kind : "guaranteed" or "estimated"
+    """
+
+    value: Floats
+    half_width: Floats
+    expected: Floats
+    kind: Literal["guaranteed", "estimated"]
+
+    @property
+    def relative(self) -> float:
+        """Size of the half width over that of the displacement; infinite where that is zero and the former is not."""
+        return _ratio(float(np.linalg.norm(self.half_width)), float(np.linalg.norm(self.value)))
+
+    def widened(self, share: float) -> Interval:
+        """The interval with a relative error of another origin."""
+        more = share * np.linalg.norm(self.value) * (self.half_width > 0.0)
+        return Interval(self.value, self.half_width + more, self.expected + more, self.kind)
+
+
+@dataclass
+class Assessment:
+    """What was found about the error of one solution.
+
+    Attributes
+    ----------
+    energy : Estimate or None
+        Of the strain energy.
+    probes : dict of str to Interval
+    marks : dict of str to (triangle,) array
+        By quantity, "energy" or a probe: what each triangle adds to the square of its error, for refinement.
+    geometry : float or None
+        Relative error because the shape is approximated; None where it is not known.
+    why_not : str
+        Why there is no proof, or no estimate.
+    """
+
+    energy: Estimate | None = None
+    probes: dict[str, Interval] = field(default_factory=dict)
+    marks: dict[str, Floats] = field(default_factory=dict)
+    geometry: float | None = None
+    why_not: str = ""
+
+    def quantities(self, wanted: str | None) -> list[str]:
+        """The quantities that a word means: "energy", "probes", the name of a probe, or None for what there is."""
+        if wanted == ENERGY:
+            return [ENERGY] if self.energy is not None else []
+        if wanted is None or (wanted == PROBES and wanted not in self.probes):
+            found = list(self.probes)
+            return found if found or wanted is not None or self.energy is None else [ENERGY]
+        return [wanted] if wanted in self.probes else []
+
+    def relative(self, quantity: str) -> float:
+        """Half width of a quantity over its size."""
+        if quantity != ENERGY:
+            return self.probes[quantity].relative
+        assert self.energy is not None
+        return _ratio(self.energy.half_width, abs(self.energy.value))
+
+    def kind(self, quantity: str) -> str:
+        """ "guaranteed" or "estimated"."""
+        if quantity != ENERGY:
+            return self.probes[quantity].kind
+        assert self.energy is not None
+        return self.energy.kind
+
+    def with_share(self, share: float) -> None:
+        """Widen all intervals by a relative error of another origin, as that of the algebra."""
+        if self.energy is not None:
+            e = self.energy
+            more = share * abs(e.value)
+            self.energy = Estimate(e.value, e.half_width + more, e.expected + more, e.kind, e.why_not)
+        self.probes = {name: interval.widened(share) for name, interval in self.probes.items()}
+
+    def document(self, result: Result, quantity: str | None = None) -> None:
+        """Fill the entry `error` of a result, and put its probes in the middle of guaranteed intervals."""
+        error = result.error
+        named = self.quantities(quantity) or self.quantities(None)
+        error["estimate"], error["kind"] = None, "none"
+        if named:
+            relative = self.relative(named[0])
+            error["estimate"] = relative if np.isfinite(relative) else None
+            error["kind"] = self.kind(named[0])
+        if self.energy is not None:
+            e = self.energy
+            error["energy"] = {"lower": e.lower, "upper": e.upper, "kind": e.kind}
+        error["probes"] = {
+            name: {"u": {"half_width": p.half_width, "expected": p.expected, "kind": p.kind}}
+            for name, p in self.probes.items()
+        }
+        for name, p in self.probes.items():
+            result.probes[name]["u"] = p.value
+        if self.why_not:
+            error["why_not"] = self.why_not
+        budget: dict[str, Any] = error["budget"]
+        budget["discretisation"] = error["estimate"]
+        budget["geometry"] = self.geometry
+
+
+def _ratio(part: float, whole: float) -> float:
+    if part == 0.0:
+        return 0.0
+    return part / whole if whole > 0.0 else np.inf
+
+
+def energy_interval(value: float, norm: float, at_rest: bool, why_not: str = "") -> Estimate:
+    """The strain energy within what an error of a norm in energy can change.
+
+    At rest, without prescribed motion and initial strains, it is U <= U + |e|^2 / 2; else |U - U_h| is at most
+    |e| sqrt(2 U_h) + |e|^2 / 2.
+    """
+    if at_rest:
+        half = 0.25 * norm**2
+        return Estimate(value + half, half, half, "estimated", why_not)
+    half = norm * float(np.sqrt(2.0 * max(value, 0.0))) + 0.5 * norm**2
+    return Estimate(value, half, 0.5 * half, "estimated", why_not)
+
+
+def moving(probes: Mapping[str, Any]) -> float:
+    """Size of the largest displacement of probes."""
+    return max((float(np.linalg.norm(p["u"])) for p in probes.values()), default=0.0)

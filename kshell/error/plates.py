@@ -1,0 +1,133 @@
+"""Estimates for Argyris plates on any edges, and guaranteed intervals on straight ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import matrices
+from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interval
+from kshell.error.bounds import PlatePair
+from kshell.error.estimate import Estimate
+from kshell.error.goals import Goal
+from kshell.error.residual import PlateResidual
+from kshell.mesh.mesh import Mesh
+from kshell.plate.domain import Domain
+from kshell.plate.loads import Loads
+from kshell.plate.model import PlateModel
+from kshell.plate.problem import PlateProblem
+from kshell.result.result import Result
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+WHY_NOT = "residuals are no proof, which bounds from a tolerance are on straight edges"
+AT_VERTEX = 1e-9  # distance of a probe from a vertex, in the size of the plate, that is none
+LIKELY = 0.25  # of the half width: residuals overestimate by 1 to 100 times
+# of arcs, in their radius over the fourth power of the angle they turn by; deflections grow with size to the same power
+ARC, GROWTH = 1.0 / 384.0, 4.0
+
+
+def assess_residual(
+    model: PlateModel, d: Floats, result: Result, duals: int, names: Sequence[str]
+) -> Assessment:
+    """By residuals; d are physical degrees of freedom. At most so many dual solutions, for the first named probes."""
+    problem = model.problem
+    residual = PlateResidual(problem)
+    own = residual.local(d, problem.loads.forms, problem.loads)
+    at_rest = not np.any(problem.reduction.particular) and not problem.loads.curvatures
+    out = Assessment(why_not=WHY_NOT)
+    out.energy = energy_interval(result.strain_energy, float(np.sqrt(own.sum())), at_rest, WHY_NOT)
+    out.marks[ENERGY] = own
+    reduction = problem.reduction.matrix()
+    for name in list(names)[:duals]:
+        row, triangle, at_vertex = deflection_row(problem, np.array(problem.structure.probes[name])[:2])
+        z = reduction @ model.respond(np.asarray(reduction.T @ row))
+        inner = [] if at_vertex else [np.array([triangle])]
+        dual = residual.local(np.asarray(z), [], Loads(), inner)
+        half = float(np.sqrt(own * dual).sum())
+        out.probes[name] = _along_z(result.probes[name]["u"], half, LIKELY * half, "estimated")
+        out.marks[name] = goal_marks(own, dual)
+    out.geometry = geometry_share(problem.domain)
+    return out
+
+
+def assess_pair(pair: PlatePair, names: Sequence[str], strain_energy: float | None = None) -> Assessment:
+    """Guaranteed where the premises hold; probes must be vertices.
+
+    Parameters
+    ----------
+    pair : PlatePair
+    names : sequence of str
+        Probes.
+    strain_energy : float, optional
+        Of the conforming solution, where it is not at rest.
+    """
+    problem = pair.problem
+    out = Assessment(why_not=pair.why_not)
+    if pair.at_rest:
+        out.energy = pair.energy()
+    elif strain_energy is not None:
+        norm = float(np.sqrt(pair.gap))
+        found = energy_interval(strain_energy, norm, False)
+        kind = pair.energy().kind
+        out.energy = Estimate(found.value, found.half_width, found.expected, kind, pair.why_not)
+    primal = pair.primal
+    out.marks[ENERGY] = primal.local
+    for name in names:
+        goal = Goal.at_vertex(vertex_at(problem.mesh, np.array(problem.structure.probes[name])))
+        dual = pair.dual(goal)
+        found = pair.probe(goal, dual)
+        value = np.array([0.0, 0.0, found.value])
+        out.probes[name] = _along_z(value, found.half_width, found.expected, found.kind)
+        out.marks[name] = goal_marks(primal.local, dual.local)
+    out.geometry = 0.0
+    return out
+
+
+def vertex_at(mesh: Mesh, place: Floats) -> int:
+    """The vertex nearest to a place."""
+    return int(np.linalg.norm(mesh.points[:, :2] - place[:2], axis=1).argmin())
+
+
+def goal_marks(own: Floats, dual: Floats) -> Floats:
+    """What to refine for a quantity: eta^2 |eta*|^2 + eta*^2 |eta|^2, of its scale less.
+
+    Source: Becker, Estecahandy & Trujillo, SIAM J. Numer. Anal. 49 (2011) 2451-2469.
+    """
+    total, its = float(own.sum()), float(dual.sum())
+    if total == 0.0 or its == 0.0:
+        return np.zeros_like(own)
+    marks: Floats = own / total + dual / its
+    return marks
+
+
+def deflection_row(problem: PlateProblem, xy: Floats) -> tuple[Floats, int, bool]:
+    """(dof,) the row of w at a place (2,), the triangle there, and whether the place is a vertex."""
+    found = problem.fields(np.zeros(problem.layout.count)).locator.find(xy[None])
+    triangle = found.triangles
+    affine = problem.domain.affine(triangle)
+    row = matrices.rows(problem.element, affine, found.xi, 0, problem.element.transformation(affine))
+    out = np.zeros(problem.layout.count)
+    np.add.at(out, problem.layout.triangle_dofs(triangle)[0], row.reshape(-1))
+    nearest = problem.mesh.points[vertex_at(problem.mesh, found.xy[0]), :2]
+    at_vertex = float(np.linalg.norm(nearest - found.xy[0])) <= AT_VERTEX * problem.mesh.size
+    return out, int(triangle[0]), at_vertex
+
+
+def _along_z(u: Floats, half: float, expected: float, kind: str) -> Interval:
+    along = np.array([0.0, 0.0, 1.0])
+    return Interval(np.asarray(u, dtype=float), half * along, expected * along, kind)  # type: ignore[arg-type]
+
+
+def geometry_share(domain: Domain, first: float = 0.0) -> float:
+    """Relative error because curved edges are followed by arcs of degree five through the nodes."""
+    curves = domain.curves
+    if not curves.curved.any():
+        return 0.0
+    turn = np.arccos(np.clip((curves.tangent[:, 0] * curves.tangent[:, 1]).sum(axis=1), -1.0, 1.0))
+    weights = domain.mesh.edge_lengths[curves.edges]
+    turn = np.maximum(turn, first)
+    return float(GROWTH * ARC * (turn**4 * weights * curves.curved).sum() / weights.sum())

@@ -1,0 +1,191 @@
+"""Estimates where nothing is proved: the true error lies within them, and they shrink with it."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.error.geometry_share import turn_between, turn_of_triangles
+from kshell.verify.cases import large_scenes
+from tests.plate.plates import UNIT, disk, rectangle
+
+MATERIAL = ks.Isotropic(**UNIT)
+SUPPORTED_CENTRE, CLAMPED_CENTRE = 0.004062352660675052, 0.00126531908748
+PLATES: dict[str, tuple[Any, float, float]] = {
+    "supported": (ks.SimplySupported("edge"), SUPPORTED_CENTRE, 1.70251052472e-3 / 2),
+    "clamped": (ks.Clamped("edge"), CLAMPED_CENTRE, 3.8912013330e-4 / 2),
+}
+
+
+def square(n: int, support: Any, **given: Any) -> ks.Scene:
+    return ks.Scene(
+        rectangle(n),
+        thickness=1.0,
+        material=MATERIAL,
+        supports=[support],
+        loads=[ks.Pressure(1.0)],
+        probes={"centre": (0.5, 0.5, 0.0)},
+        solve={"large_deflection": False, **given},
+    )
+
+
+def half(result: ks.Result, probe: str, axis: int) -> float:
+    return float(result.error["probes"][probe]["u"]["half_width"][axis])
+
+
+@pytest.mark.parametrize("name", PLATES)
+def test_residuals_of_plates_cover_the_error_and_fall_with_it(name: str) -> None:
+    support, centre, energy = PLATES[name]
+    widths = []
+    for n in (4, 8):
+        result = ks.solve(square(n, support))
+        width = half(result, "centre", 2)
+        assert abs(result.probes["centre"]["u"][2] - centre) <= width
+        found = result.error["energy"]
+        assert found["lower"] <= energy <= found["upper"]
+        assert found["kind"] == result.error["kind"] == "estimated"
+        assert result.error["estimate"] == pytest.approx(width / centre, rel=0.05)
+        assert result.error["budget"]["discretisation"] == result.error["estimate"]
+        assert result.error["budget"]["geometry"] == 0.0
+        widths.append(width)
+    assert widths[1] < widths[0] / 16
+
+
+def test_a_probe_inside_a_triangle_and_varying_thickness() -> None:
+    """Against the same plate on a finer mesh."""
+    values = []
+    for n in (6, 24):
+        scene = dataclasses.replace(
+            square(n, ks.Clamped("edge")), thickness="0.5 + 0.5*x", probes={"a": (0.412, 0.531, 0)}
+        )
+        values.append(ks.solve(scene))
+    true = values[1].probes["a"]["u"][2]
+    off = abs(values[0].probes["a"]["u"][2] - true)
+    assert 0.0 < off <= half(values[0], "a", 2) < 0.3 * abs(true)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_curved_edges_count_in_the_budget(order: int) -> None:
+    """A clamped disk deflects by q R^4 / 64 D (Timoshenko & Woinowsky-Krieger, section 16)."""
+    shares = []
+    for rings in (3, 6):
+        scene = ks.Scene(
+            disk(rings, order),
+            thickness=1.0,
+            material=MATERIAL,
+            supports=[ks.Clamped("edge")],
+            loads=[ks.Pressure(1.0)],
+            probes={"centre": (0, 0, 0)},
+        )
+        result = ks.solve(scene, large_deflection=False)
+        assert abs(result.probes["centre"]["u"][2] - 1 / 64) <= half(result, "centre", 2)
+        shares.append(result.error["budget"]["geometry"])
+    assert shares[1] > 0.0
+    assert shares[0] / shares[1] == pytest.approx(16.0, rel=0.05)
+
+
+def roof(n: int, order: int) -> ks.Scene:
+    """A quarter of the Scordelis-Lo roof on its chart."""
+    angle = np.radians(40.0)
+    chart = ks.geometry.Chart.from_expressions("25*sin(u)", "v", "25*cos(u)")
+    mesh = ks.geometry.Plane().parameter_mesh(
+        n, n, ("crown", "free", "middle", "wall"), u_range=(0, angle), v_range=(0, 25)
+    )
+    return ks.Scene(
+        mesh,
+        chart=chart,
+        thickness=0.25,
+        material=ks.Isotropic(E=4.32e8, nu=0.0),
+        supports=[ks.Symmetry(["middle", "crown"]), ks.Fixed("wall", "xz")],
+        loads=[ks.Traction((0, 0, -90.0))],
+        probes={"edge": (25 * np.sin(angle), 0, 25 * np.cos(angle))},
+        solve={"large_deflection": False, "element": "koiter", "order": order},
+    )
+
+
+@pytest.mark.parametrize(("order", "n"), [(2, 6), (3, 4)])
+def test_averages_of_shells_cover_the_error(order: int, n: int) -> None:
+    """-0.300592457: Koiter elements of order 3 on graded meshes, and spectral solutions in the README's list."""
+    result = ks.solve(roof(n, order))
+    off = abs(result.probes["edge"]["u"][2] + 0.300592457)
+    width = half(result, "edge", 2)
+    assert off <= width <= 40 * off
+    assert result.error["budget"]["geometry"] > 0.0
+    assert "averages" in result.error["why_not"]
+    expected = result.error["probes"]["edge"]["u"]["expected"]
+    assert np.all(np.abs(expected) <= np.abs(result.error["probes"]["edge"]["u"]["half_width"]))
+
+
+def test_averages_are_cut_where_the_section_jumps() -> None:
+    """A strip pulled in its plane, half of it twice as thick: N is constant, and so is what it should be."""
+    mesh = rectangle(4, 2, a=2.0)
+    right = mesh.points[mesh.triangles].mean(axis=1)[:, 0] > 1.0
+    groups = {
+        "left": mesh.edges[mesh.groups["left"].members],
+        "right": mesh.edges[mesh.groups["right"].members],
+    }
+    groups |= {"thin": mesh.triangles[~right], "thick": mesh.triangles[right]}
+    halves = ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups)
+    scene = ks.Scene(
+        halves,
+        thickness={"thin": 0.1, "thick": 0.2},
+        material=ks.Isotropic(E=1.0, nu=0.0),
+        supports=[ks.Clamped("left")],
+        loads=[ks.EdgeMoment("right", 1e-4)],
+        probes={"tip": (2.0, 0.0, 0.0)},
+        solve={"model": "shell", "large_deflection": False, "order": 2},
+    )
+    result = ks.solve(scene)
+    u = result.probes["tip"]["u"]
+    assert abs(u[2]) > 0.0
+    assert half(result, "tip", 2) < 1e-6 * abs(u[2])
+
+
+def test_large_deflections_by_the_dual_of_the_tangent() -> None:
+    """A cantilever that its end load bends to 6.7 of its length of 10; true: 32 cells of order 3, known to 1e-8."""
+    true = np.array([-3.28954366, 0.0, 6.69988901])
+    for n, order in ((8, 2), (4, 3)):
+        scene = dataclasses.replace(large_scenes.cantilever(), mesh=large_scenes.rectangle(10.0, 1.0, n, 1))
+        result = ks.solve(scene, element="koiter", order=order)
+        assert result.model["large_deflection"]
+        widths = np.array([half(result, "tip", axis) for axis in range(3)])
+        off = np.abs(result.probes["tip"]["u"] - true)
+        assert (off <= widths).all()
+        assert (widths <= 1e-3 * np.linalg.norm(true)).all()
+
+
+def test_off_leaves_the_error_alone() -> None:
+    result = ks.solve(square(4, ks.Clamped("edge")), error="off")
+    assert result.error["kind"] == "none"
+    assert result.error["estimate"] is None
+    assert result.error["budget"]["discretisation"] is None
+    with pytest.raises(ks.InputError, match="error"):
+        ks.solve(square(4, ks.Clamped("edge")), error="on")
+
+
+def test_the_first_three_probes_at_most() -> None:
+    scene = dataclasses.replace(
+        square(4, ks.Clamped("edge")), probes={name: (0.5, 0.25 * k, 0) for k, name in enumerate("abcde", 1)}
+    )
+    assert list(ks.solve(scene).error["probes"]) == ["a", "b", "c"]
+
+
+def test_models_without_an_estimate_say_so() -> None:
+    result = ks.solve(square(4, ks.Clamped("edge")), element="morley")
+    assert result.error["kind"] == "none"
+    assert "argyris" in result.error["why_not"]
+
+
+def test_turns_of_triangles() -> None:
+    """Of a cylinder in n cells over its circumference: 2 pi / n in quadratic triangles, and between facets."""
+    n = 24
+    curved = ks.geometry.Cylinder(3.0).mesh(n, 2, order=2)
+    assert turn_of_triangles(curved).max() == pytest.approx(2 * np.pi / n, rel=0.02)
+    flat = ks.geometry.Cylinder(3.0).mesh(n, 2, order=1)
+    assert not turn_of_triangles(flat).any()
+    between = turn_between(flat, np.zeros(len(flat.triangles), dtype=np.int64))
+    assert between.max() == pytest.approx(2 * np.pi / n, rel=1e-9)
