@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from kshell.material.laminate import Layer
     from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
     from kshell.mesh import Mesh
+    from kshell.mesh.slit import slit
     from kshell.result.mac import mac
     from kshell.result.result import Result
     from kshell.scene.cases import Case, Combination
@@ -78,6 +79,7 @@ __all__ = [
     "mac",
     "modes",
     "simulate",
+    "slit",
     "solve",
     "trace",
 ]
@@ -109,6 +111,7 @@ _LAZY = {
         "kshell.scene.loads",
     ),
     "Mesh": "kshell.mesh",
+    "slit": "kshell.mesh.slit",
     "Scene": "kshell.scene.scene",
     "Result": "kshell.result.result",
     "solve": "kshell.analysis.solve",

@@ -98,6 +98,13 @@ def _direction(value: Any) -> Any:
     return direction
 
 
+def _cuts(value: Any) -> Any:
+    names = (value,) if isinstance(value, str) else value
+    if not isinstance(names, Sequence) or not all(isinstance(name, str) and name for name in names):
+        raise ValueError("must be a group of curves, or a list of them")
+    return tuple(names)
+
+
 def _probes(value: Any) -> Any:
     if not isinstance(value, Mapping):
         raise ValueError("must be a dict of name to point (x, y, z)")
@@ -142,6 +149,8 @@ class Scene:
         Loads that act together; without any, all loads do. Prescribed motion is part of every case.
     combinations : sequence of Combination
         Cases added up with factors.
+    cuts : str or sequence of str
+        Groups of curves along which the mesh is cut open.
     lines : sequence of Line
         Along which values are reported.
     mesh_size : float, optional
@@ -192,6 +201,7 @@ class Scene:
     cases: Any = ()
     combinations: Any = ()
     lines: Any = ()
+    cuts: Annotated[Any, BeforeValidator(_cuts)] = ()
     initial_velocity: Any = None
     damping: Any = None
     title: str = ""
@@ -300,7 +310,12 @@ class Scene:
         from kshell.scene.facets import curved, turned
 
         mesh = read_mesh(self.mesh, self.mesh_size, self.mesh_order, self.geometry, allow_system)
-        return curved(self, turned(self, mesh))
+        mesh = curved(self, turned(self, mesh))
+        if not self.cuts:
+            return mesh
+        from kshell.mesh.slit import slit
+
+        return slit(mesh, self.cuts)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scene:

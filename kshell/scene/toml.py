@@ -50,6 +50,7 @@ KEYS = [
     "case",
     "combination",
     "line",
+    "cut",
     "initial",
     "damping",
     "solve",
@@ -181,6 +182,9 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
         data.get("combination", []), "combination", source, lambda block: Combination(**block)
     )
     arguments["lines"] = _each(data.get("line", []), "line", source, line_from_dict)
+    arguments["cuts"] = [
+        name for names in _each(data.get("cut", []), "cut", source, cut_from_dict) for name in names
+    ]
     if "initial" in data:
         with inside(f"{source}, [initial]", "initial velocity: "):
             arguments["initial_velocity"] = initial_from_dict(_table(data["initial"]))
@@ -225,6 +229,18 @@ def imperfection_from_dict(data: dict[str, Any], folder: Path) -> Imperfection:
     """An imperfection; a relative path is relative to the folder."""
     found = Imperfection(**data)
     return found if found.file is None else Imperfection(**{**data, "file": folder / found.file})
+
+
+def cut_from_dict(data: dict[str, Any]) -> list[str]:
+    """The groups of a cut."""
+    for key in data:
+        if key != "on":
+            raise InputError(unknown_key(key, ["on"]))
+    on = data.get("on")
+    names = [on] if isinstance(on, str) else on
+    if not isinstance(names, list) or not names or not all(isinstance(name, str) and name for name in names):
+        raise InputError(f"on = {shown(on)}: must be a group of curves, or a list of them")
+    return names
 
 
 def initial_from_dict(data: dict[str, Any]) -> InitialVelocity:
