@@ -21,7 +21,8 @@ def modal_result(model: Model, vectors: Floats, largest_one: bool = False) -> Re
         Whether the largest displacement of each is made 1.
     """
     motions = model.expand(vectors)
-    shapes = [model.motion_fields(x)["displacement"] for x in motions.T]
+    count = len(model.structure.space.points)  # the first rows; further ones of a vertex move alike
+    shapes = [model.motion_fields(x)["displacement"][:count] for x in motions.T]
     if largest_one:
         shapes = [shape / (np.linalg.norm(shape, axis=1).max(initial=0.0) or 1.0) for shape in shapes]
     return Result(

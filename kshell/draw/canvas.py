@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
+from kshell.result.rows import Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,15 +48,22 @@ def new_figure(mesh: Mesh, title: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def flat_triangles(mesh: Mesh) -> tuple[Floats, NDArray[np.int32]]:
-    """Nodes (n, 3) and straight triangles for drawing; an order-2 triangle becomes four."""
+def flat_triangles(mesh: Mesh, rows: Rows | None = None) -> tuple[Floats, NDArray[np.integer]]:
+    """Nodes (n, 3) and straight triangles for drawing; an order-2 triangle becomes four.
+
+    Parameters
+    ----------
+    rows : Rows, optional
+        Of the fields to be drawn, with a node for each; one for each vertex and edge if absent.
+    """
+    if rows is None:
+        rows = Rows.of_vertices(mesh)
     if mesh.midpoints is None:
-        return mesh.points, mesh.triangles
-    a, b, c = mesh.triangles.T
-    ab, bc, ac = (mesh.triangle_edges + len(mesh.points)).T
+        return rows.nodes, rows.cells
+    a, b, c, ab, bc, ac = rows.cells.T
     parts = [(a, ab, ac), (ab, b, bc), (ac, bc, c), (ab, bc, ac)]
     triangles = np.concatenate([np.stack(part, axis=1) for part in parts])
-    return np.concatenate([mesh.points, mesh.midpoints]), triangles
+    return rows.nodes, triangles
 
 
 def edge_lines(mesh: Mesh, edges: NDArray[np.integer]) -> Floats:

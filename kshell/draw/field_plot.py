@@ -22,14 +22,14 @@ def field_figure(result: Result, values: Floats, label: str) -> Figure:
     Parameters
     ----------
     values : (node,)
-        At vertices, then at mid-edge nodes.
+        At the nodes of the rows of the fields.
     label : str
     """
     from matplotlib.tri import Triangulation
 
     mesh = result.mesh
     figure, axes = new_figure(mesh, result.title)
-    points, triangles = flat_triangles(mesh)
+    points, triangles = flat_triangles(mesh, result.rows)
     triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
     low, high = float(values.min()), float(values.max())
     image = axes.tripcolor(triangulation, values, shading="gouraud", rasterized=True, **colours(low, high))

@@ -65,12 +65,13 @@ def film_figure(result: Result) -> Figure:
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     chosen = np.unique(np.linspace(0, len(result.series) - 1, FRAMES).round().astype(int))
-    mesh = result.mesh
-    rest, triangles = flat_triangles(mesh)
+    rest, triangles = flat_triangles(result.mesh, result.rows)
     places = []
     for number in chosen:
         state = result.series[number][1]()
-        u = at_nodes(mesh, "displacement", state.fields["displacement"], state.fields, state.edge_fields)
+        u = at_nodes(
+            state.rows, "displacement", state.fields["displacement"], state.fields, state.edge_fields
+        )
         places.append(rest + u)
     low = np.min([place.min(axis=0) for place in places], axis=0)
     high = np.max([place.max(axis=0) for place in places], axis=0)

@@ -62,7 +62,7 @@ def _figure(result: Result, numbers: list[int]) -> Figure:
     figure = Figure(figsize=(side * columns, (side * ratio + 0.4) * rows + 0.4), layout="constrained")
     FigureCanvasAgg(figure)
     for place, number in enumerate(numbers, 1):
-        shape = at_nodes(mesh, f"mode_{number}", result.fields[f"mode_{number}"], result.fields)
+        shape = at_nodes(result.rows, f"mode_{number}", result.fields[f"mode_{number}"], result.fields)
         if plate:
             axes = figure.add_subplot(rows, columns, place)
             _contours(axes, result, shape[:, 2])

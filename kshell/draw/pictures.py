@@ -52,10 +52,10 @@ def pictures(result: Result) -> tuple[str, ...]:
 
 
 def picture_values(result: Result, what: str) -> tuple[Floats, str]:
-    """Values at vertices and mid-edge nodes, and words for the colour bar."""
+    """Values at the nodes of the rows of fields, and words for the colour bar."""
     name, column, label = (SHELL_FIELDS if result.model.get("kind") == "shell" else FIELDS)[what]
     if name not in result.fields:
         raise InputError(f'no picture "{what}": the result has no field "{name}"')
-    values = result.fields[name].reshape(len(result.mesh.points), -1)
-    values = at_nodes(result.mesh, name, values, result.fields, result.edge_fields)
+    values = result.fields[name].reshape(len(result.points), -1)
+    values = at_nodes(result.rows, name, values, result.fields, result.edge_fields)
     return (np.linalg.norm(values, axis=1) if column == SIZE else values[:, column]), label

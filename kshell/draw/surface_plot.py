@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kshell.result.result import Result
+    from kshell.result.rows import Rows
     from kshell.scene.scene import Scene
 
 Floats = NDArray[np.float64]
@@ -42,11 +43,22 @@ def drawn_scale(result: Result) -> float:
 
 
 def deformed_nodes(result: Result, scale: float) -> tuple[Floats, Floats]:
-    """Vertices and mid-edge nodes (n, 3), at rest and displaced by `scale` times the displacement."""
-    mesh = result.mesh
-    rest = mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints])
-    u = at_nodes(mesh, "displacement", result.fields["displacement"], result.fields, result.edge_fields)
+    """Nodes (n, 3) of the rows of the fields, at rest and displaced by `scale` times the displacement."""
+    rest = result.rows.nodes
+    u = at_nodes(
+        result.rows, "displacement", result.fields["displacement"], result.fields, result.edge_fields
+    )
     return rest, rest + scale * u
+
+
+def nodes_of_mesh(rows: Rows, values: Floats) -> Floats:
+    """Values at the vertices of the mesh, then at its mid-edge nodes, of those at the nodes of rows."""
+    mesh, count = rows.mesh, len(rows.vertex)
+    if mesh.midpoints is None:
+        return values[: len(mesh.points)]
+    first = np.zeros(len(mesh.edges), dtype=np.int64)
+    first[rows.middle_edge] = count + np.arange(len(rows.middle_edge))
+    return np.concatenate([values[: len(mesh.points)], values[first]])
 
 
 def surface_figure(result: Result, values: Floats, label: str) -> Figure:
@@ -55,7 +67,7 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
     Parameters
     ----------
     values : (node,)
-        At vertices, then at mid-edge nodes.
+        At the nodes of the rows of the fields.
     label : str
     """
     from matplotlib import colormaps
@@ -65,7 +77,8 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
 
     mesh, scale = result.mesh, drawn_scale(result)
     rest, nodes = deformed_nodes(result, scale)
-    _, triangles = flat_triangles(mesh)
+    still, shown = (nodes_of_mesh(result.rows, places) for places in (rest, nodes))
+    _, triangles = flat_triangles(mesh, result.rows)
     low, high = float(values.min()), float(values.max())
     style = colours(low, high)
     norm = Normalize(style["vmin"], style["vmax"] if style["vmax"] > style["vmin"] else style["vmin"] + 1.0)
@@ -78,15 +91,15 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
         Poly3DCollection(corners, facecolors=faces, edgecolors=faces, linewidths=0.2, rasterized=True)
     )
     if len(mesh.triangles) <= FEW_TRIANGLES:
-        lines = _edge_lines(mesh, nodes, np.arange(len(mesh.edges)))
+        lines = _edge_lines(mesh, shown, np.arange(len(mesh.edges)))
         axes.add_collection3d(Line3DCollection(lines, colors="black", linewidths=0.25, alpha=0.35))
     outline = np.flatnonzero(mesh.edge_counts != 2)
     if len(outline):
         axes.add_collection3d(
-            Line3DCollection(_edge_lines(mesh, nodes, outline), colors="black", linewidths=1.0)
+            Line3DCollection(_edge_lines(mesh, shown, outline), colors="black", linewidths=1.0)
         )
         axes.add_collection3d(
-            Line3DCollection(_edge_lines(mesh, rest, outline), colors="0.5", linewidths=0.8, linestyles="--")
+            Line3DCollection(_edge_lines(mesh, still, outline), colors="0.5", linewidths=0.8, linestyles="--")
         )
     words = f"{label}, from {low:.4g} to {high:.4g}\ndisplacements drawn {scale:g} times as large, dashed: at rest"
     colour_bar(figure, axes, image, words, "bottom", 45)

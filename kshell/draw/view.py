@@ -38,14 +38,9 @@ def pyvista() -> Any:
 
 def surface_grid(result: Result, scale: float) -> Any:
     """A pyvista.UnstructuredGrid of the deformed surface, with curved triangles where the mesh has them."""
-    mesh = result.mesh
     _, nodes = deformed_nodes(result, scale)
-    cells, kind = mesh.triangles, TRIANGLE
-    if mesh.midpoints is not None:
-        cells, kind = (
-            np.concatenate([cells, mesh.triangle_edges + len(mesh.points)], axis=1),
-            QUADRATIC_TRIANGLE,
-        )
+    cells = result.rows.cells
+    kind = TRIANGLE if result.mesh.midpoints is None else QUADRATIC_TRIANGLE
     count = cells.shape[1]
     listed = np.concatenate([np.full((len(cells), 1), count), cells], axis=1).ravel()
     return pyvista().UnstructuredGrid(listed, np.full(len(cells), kind, dtype=np.uint8), nodes)

@@ -25,6 +25,10 @@ from kshell.solvers import Solution
 
 Floats = NDArray[np.float64]
 UNBALANCED = 1e-6
+NODAL_VALUES = (
+    "moments, shear forces and stresses at vertices are means over the triangles around, by area, within each piece "
+    "between lines across which moments may jump; each piece has a row of its own there"
+)
 
 
 def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
@@ -61,6 +65,8 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
     return Result(
         mesh=mesh,
         fields=vertex_fields(fields),
+        rows=fields.rows,
+        nodal_values=NODAL_VALUES,
         cell_fields=cell_fields(problem.section, problem.domain, fields),
         unknowns=problem.reduction.count,
         model={},
@@ -110,18 +116,19 @@ def motion_fields(problem: PlateProblem, d: Floats) -> Deferred[Floats]:
 
 
 def vertex_fields(fields: Fields) -> Deferred[Floats]:
-    """All fields at vertices, with stresses and principal values derived from the moments."""
+    """All fields at the rows of vertices, with stresses and principal values derived from the moments."""
+    vertex = fields.rows.vertex
     return Deferred(
         {
-            "displacement": lambda: fields.vertex_displacement,
-            "rotation": lambda: fields.vertex_rotation,
-            "moment": lambda: fields.vertex_forces[0],
-            "shear": lambda: fields.vertex_forces[1],
-            "stress_top": lambda: fields.vertex_stresses[0],
-            "stress_bottom": lambda: fields.vertex_stresses[1],
-            "von_mises_top": lambda: von_mises(fields.vertex_stresses[0]),
-            "von_mises_bottom": lambda: von_mises(fields.vertex_stresses[1]),
-            "principal_moments": lambda: principal(fields.vertex_forces[0]),
+            "displacement": lambda: fields.vertex_displacement[vertex],
+            "rotation": lambda: fields.vertex_rotation[vertex],
+            "moment": lambda: fields.fan_forces[0],
+            "shear": lambda: fields.fan_forces[1],
+            "stress_top": lambda: fields.fan_stresses[0],
+            "stress_bottom": lambda: fields.fan_stresses[1],
+            "von_mises_top": lambda: von_mises(fields.fan_stresses[0]),
+            "von_mises_bottom": lambda: von_mises(fields.fan_stresses[1]),
+            "principal_moments": lambda: principal(fields.fan_forces[0]),
         }
     )
 

@@ -2,8 +2,8 @@
 
 Moments are M = -D (kappa - kappa_0), kappa = (w_xx, w_yy, 2 w_xy); shear forces Q = div M. With Argyris
 all of them come from the polynomial of the triangle, at vertices averaged over the triangles of a fan,
-weighted by area: where lines of discontinuity meet a vertex there is a value for each fan, and the one with the
-largest stress stands for the vertex, as it does for points on such a line. Morley has one moment per
+weighted by area: where lines of discontinuity meet a vertex there is a row for each fan. For points on such a line the
+side with the largest stress is taken. Morley has one moment per
 triangle: vertex values come from a linear least-squares fit over the triangles around each vertex
 (Zienkiewicz & Zhu, Int. J. Numer. Meth. Eng. 33 (1992) 1331-1364), values between from the vertices.
 """
@@ -15,11 +15,11 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from kshell.elements import matrices
 from kshell.elements.reference import VERTICES
 from kshell.material.section import Section
-from kshell.material.tensors import von_mises
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
@@ -27,6 +27,7 @@ from kshell.plate.line_points import LinePoints
 from kshell.plate.loads import Loads
 from kshell.plate.points import Located, PlatePoints
 from kshell.plate.supports import points_3d
+from kshell.result.rows import Rows
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -142,18 +143,6 @@ class Fields:
         return out
 
     @cached_property
-    def vertex_forces(self) -> tuple[Floats, Floats]:
-        """Moments (vertex, 3) and shear forces (vertex, 2)."""
-        moment, shear = self.fan_forces
-        return (moment, shear) if self._shown is None else (moment[self._shown], shear[self._shown])
-
-    @cached_property
-    def vertex_stresses(self) -> tuple[Floats, Floats]:
-        """Stresses (vertex, 3) at the top and the bottom."""
-        top, bottom = self.fan_stresses
-        return (top, bottom) if self._shown is None else (top[self._shown], bottom[self._shown])
-
-    @cached_property
     def fan_forces(self) -> tuple[Floats, Floats]:
         """Moments (fan, 3) and shear forces (fan, 2) at the vertices, of each fan (`Layout.fans`)."""
         if not self.polynomial_moments:
@@ -171,17 +160,16 @@ class Fields:
         return self.stresses(self.fan_forces[0], first, self.domain.points[fans.vertex])
 
     @cached_property
-    def _shown(self) -> Ints | None:
-        """(vertex,) the fan with the largest von Mises stress at each vertex; None where there is one each."""
-        fans = self.layout.fans
+    def rows(self) -> Rows:
+        """The fans as rows of fields; pieces are what edges without a jump join."""
+        fans, mesh = self.layout.fans, self.domain.mesh
         if not fans.extra:
-            return None
-        size = np.max([von_mises(stress) for stress in self.fan_stresses], axis=0)
-        order = np.lexsort(
-            (-np.arange(len(size)), size, fans.vertex)
-        )  # the largest last, of equals the first fan
-        last = np.flatnonzero(np.append(np.diff(fans.vertex[order]) > 0, True))
-        return order[last]
+            return Rows.of_vertices(mesh)
+        edges = np.flatnonzero((mesh.edge_counts == 2) & (True if self._jump is None else ~self._jump))
+        links = self.domain.sides(edges)
+        graph = sp.csr_matrix((np.ones(len(edges)), tuple(links)), shape=(len(mesh.triangles),) * 2)
+        pieces = connected_components(graph, directed=False)[1]
+        return Rows(mesh, fans.corner, fans.vertex, pieces)
 
     def _average(self, values: Floats) -> Floats:
         """Mean over the triangles of each fan, by area, of values (triangle, corner, component)."""

@@ -1,11 +1,13 @@
 """What a solve answers: plain data, with the ways to look at it and to save it.
 
-Fields at vertices, one row per vertex (names in `kshell.result.vtu` describe the columns):
+Fields at vertices, one row per vertex, and where sheets or sections meet one for each of them (`kshell.result.rows`;
+names in `kshell.result.vtu` describe the columns):
 
 displacement (3), rotation (3), moment (xx yy xy), shear (x y), stress_top and stress_bottom (xx yy xy),
 von_mises_top, von_mises_bottom, principal_moments (larger, smaller)
 
-Shells have no shear field, and besides membrane_force (xx yy xy), stress_middle, von_mises_middle,
+Shells have shear from order 2 on, and besides membrane_force (xx yy xy), the symmetric part of the force in cuts,
+membrane_stress_resultant (xx yy xy), what the membrane strain works against, stress_middle, von_mises_middle,
 principal_forces, and the frame of all these tensors: frame_axis_1 (3) and normal (3).
 """
 
@@ -23,6 +25,7 @@ from kshell.errors import InputError, SolveError
 from kshell.result import doors
 from kshell.result.cases import Envelope
 from kshell.result.deferred import Deferred
+from kshell.result.rows import Rows
 from kshell.result.saving import save
 from kshell.values.naming import listing, suggestion
 from kshell.version import __version__
@@ -50,7 +53,7 @@ class Result:
     Attributes
     ----------
     mesh : Mesh
-    fields : dict of str to (vertex, k) array
+    fields : dict of str to (row, k) array
         Values at vertices, see the module's list. Those of a plate are recovered when they are first looked at, as are
         its cell fields and extremes.
     unknowns : int
@@ -66,8 +69,13 @@ class Result:
     balance : float
         Relative error of the equilibrium of loads and reactions.
     strain_energy, external_work : float
-    extremes : dict of str to {"value", "at"}
-        Found from the fields where it is not given.
+    extremes : dict of str to {"value", "at", "group"}
+        Over all rows; of stresses with the face, "top", "middle" or "bottom". Found from the fields where it is not
+        given.
+    rows : Rows
+        What the rows of fields belong to; `points`, `vertex`, `patch` and `group` are taken from it.
+    nodal_values : str
+        How values at vertices are made.
     cell_fields : dict of str to (triangle,) or (triangle, k) array
     edge_fields : dict of str to (edge, k) array
         Values at the middle of edges, for pictures and files of curved triangles.
@@ -138,10 +146,34 @@ class Result:
     case: str | None = None
     cases: dict[str, Result] = field(default_factory=dict)
     combinations: dict[str, dict[str, float]] = field(default_factory=dict)
+    rows: Rows = None  # type: ignore[assignment]  # made from the mesh where it is not given
+    nodal_values: str = ""
 
     def __post_init__(self) -> None:
+        if self.rows is None:
+            self.rows = Rows.of_vertices(self.mesh)
         if not self.extremes:
-            self.extremes = find_extremes(self.mesh.points, self.fields)
+            self.extremes = find_extremes(self.rows, self.fields)
+
+    @property
+    def points(self) -> Floats:
+        """(row, 3) the place of each row of the fields."""
+        return self.rows.points
+
+    @property
+    def vertex(self) -> NDArray[np.integer]:
+        """(row,) its vertex."""
+        return self.rows.vertex
+
+    @property
+    def patch(self) -> NDArray[np.integer]:
+        """(row,) number of the smooth piece it belongs to."""
+        return self.rows.patch
+
+    @property
+    def group(self) -> NDArray[np.str_]:
+        """(row,) the smallest surface group it belongs to, empty where there is none."""
+        return self.rows.group
 
     def probe(self, name: str) -> dict[str, Any]:
         """Values at a probe: x, u (3,), rotation (3,), M (3,), N (3,), stress_top (3,), stress_bottom (3,).
@@ -206,6 +238,7 @@ class Result:
                 "unknowns": self.unknowns,
             },
             "probes": {name: {**values, "frame": self.frame} for name, values in self.probes.items()},
+            **({"nodal_values": self.nodal_values} if self.nodal_values else {}),
             "extremes": self.extremes,
             "strain_energy": self.strain_energy,
             **({"energies": self.energies} if self.energies else {}),
@@ -297,22 +330,36 @@ class Result:
         return doors.show(self, what, scale, file)
 
 
-def find_extremes(points: Floats, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
-    """Largest deflection in size (with its sign) and largest von Mises stress, each with its vertex."""
-    faces = [name for name in ("von_mises_top", "von_mises_bottom") if name in fields]
-    makers = {}
+def find_extremes(rows: Rows, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
+    """Largest deflection in size and largest von Mises stress on any face, each with its place and surface group.
+
+    Of a plate, whose displacement is all along z, the deflection has its sign.
+    """
+    faces = [face for face in ("top", "middle", "bottom") if f"von_mises_{face}" in fields]
+    makers: dict[str, Callable[[], dict[str, Any]]] = {}
     if "displacement" in fields:
-        makers["deflection"] = lambda: _extreme(points, fields["displacement"][:, 2])
-    if faces:
-        makers["von_mises"] = lambda: _extreme(
-            points, np.max([np.ravel(fields[name]) for name in faces], axis=0)
+        makers["deflection"] = lambda: _deflection(
+            rows, fields["displacement"], "membrane_force" not in fields
         )
+    if faces:
+        makers["von_mises"] = lambda: _von_mises(rows, {face: fields[f"von_mises_{face}"] for face in faces})
     return Deferred(makers)
 
 
-def _extreme(points: Floats, values: Floats) -> dict[str, Any]:
-    place = int(np.argmax(np.abs(values)))
-    return {"value": float(values[place]), "at": points[place].tolist()}
+def _deflection(rows: Rows, u: Floats, along_z: bool) -> dict[str, Any]:
+    size = np.abs(u[:, 2]) if along_z else np.linalg.norm(u, axis=1)
+    place = int(np.argmax(size))
+    return {"value": float(u[place, 2] if along_z else size[place]), **_where(rows, place)}
+
+
+def _von_mises(rows: Rows, of_faces: Mapping[str, Floats]) -> dict[str, Any]:
+    values = np.stack([np.ravel(v) for v in of_faces.values()])
+    face, place = np.unravel_index(int(np.argmax(values)), values.shape)
+    return {"value": float(values[face, place]), "face": list(of_faces)[face], **_where(rows, int(place))}
+
+
+def _where(rows: Rows, place: int) -> dict[str, Any]:
+    return {"at": rows.points[place].tolist(), "group": str(rows.group[place]) or None}
 
 
 def _plain(value: Any, where: str) -> Any:

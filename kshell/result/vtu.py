@@ -2,6 +2,8 @@
 
 Point data have the names of `Result.fields`; tensors in the plane have the columns xx yy xy. Every group
 is an array "group NAME" of zeros and ones, of points for curve and point groups, of cells for surfaces.
+Where sheets or sections meet there is a point for each row of the fields, at the same place; `vertex` and `patch` tell
+them apart, `vertex` is -1 at mid-edge nodes. A comment in the head says how values at vertices are made.
 Triangles of order 2 are written with their mid-edge nodes: there the displacement of a shell is that of the
 solution, of a plate it follows from values and slopes at the edge's ends (cubic Hermite); the other fields are the
 mean of the ends.
@@ -21,6 +23,7 @@ from kshell.mesh.mesh import Mesh
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
+    from kshell.result.rows import Rows
 
 Floats = NDArray[np.float64]
 
@@ -39,15 +42,20 @@ def write_vtu(path: Path, result: Result) -> None:
     for name, values in {**result.fields, **result.cell_fields}.items():
         if not np.isfinite(values).all():
             raise SolveError(f"the result is not usable: the field {name} has values that are not finite")
-    points, cells, kind = mesh.points, mesh.triangles, "triangle"
-    if mesh.midpoints is not None:
-        points = np.concatenate([mesh.points, mesh.midpoints])
-        edges = mesh.triangle_edges[:, [0, 1, 2]] + len(mesh.points)  # nodes on (0, 1), (1, 2), (0, 2)
-        cells, kind = np.concatenate([mesh.triangles, edges], axis=1), "triangle6"
+    rows = result.rows
+    points, cells = rows.nodes, rows.cells
+    kind = "triangle" if mesh.midpoints is None else "triangle6"
     point_data: dict[str, NDArray[np.generic]] = {
-        name: at_nodes(mesh, name, values, result.fields, result.edge_fields)
+        name: at_nodes(rows, name, values, result.fields, result.edge_fields)
         for name, values in result.fields.items()
     }
+    if rows.extra:
+        for name, numbers in (("vertex", rows.vertex), ("patch", rows.patch)):
+            ends = (
+                rows.patch[rows.middle_ends[:, 1]] if name == "patch" else np.full(len(rows.middle_edge), -1)
+            )
+            beyond = ends[: len(points) - len(numbers)]
+            point_data[name] = np.concatenate([numbers, beyond]).astype(np.int32)
     cell_data: dict[str, list[NDArray[np.generic]]] = {
         name: [np.ascontiguousarray(values)] for name, values in result.cell_fields.items()
     }
@@ -58,9 +66,17 @@ def write_vtu(path: Path, result: Result) -> None:
             cell_data[f"group {name}"] = [marked]
         else:
             marked = np.zeros(len(points), dtype=np.int32)
-            marked[_nodes_of(mesh, group.dimension, group.members)] = 1
+            marked[_nodes_of(rows, group.dimension, group.members)] = 1
             point_data[f"group {name}"] = marked
     meshio.write(path, meshio.Mesh(points, [(kind, cells)], point_data, cell_data), file_format="vtu")
+    if result.nodal_values:
+        _say(path, result.nodal_values)
+
+
+def _say(path: Path, words: str) -> None:
+    """A comment after the first line of an XML file."""
+    head, _, rest = path.read_bytes().partition(b"\n")
+    path.write_bytes(head + f"\n<!-- {words} -->\n".encode() + rest)
 
 
 def write_motion(path: Path, mesh: Mesh, displacement: Floats) -> None:
@@ -72,36 +88,39 @@ def write_motion(path: Path, mesh: Mesh, displacement: Floats) -> None:
     meshio.write(path, meshio.Mesh(mesh.points, cells, data), file_format="vtu")
 
 
-def _nodes_of(mesh: Mesh, dimension: int, members: NDArray[np.int32]) -> NDArray[np.int32]:
-    if dimension == 0:
-        return members
-    nodes = [mesh.edges[members].ravel()]
-    if mesh.midpoints is not None:
-        nodes.append(members + len(mesh.points))
+def _nodes_of(rows: Rows, dimension: int, members: NDArray[np.int32]) -> NDArray[np.integer]:
+    """Rows, and mid-edge nodes, of points or edges."""
+    mesh = rows.mesh
+    at = members if dimension == 0 else mesh.edges[members].ravel()
+    nodes = [np.flatnonzero(np.isin(rows.vertex, at))]
+    if dimension == 1 and mesh.midpoints is not None:
+        nodes.append(np.flatnonzero(np.isin(rows.middle_edge, members)) + len(rows.vertex))
     return np.concatenate(nodes)
 
 
 def at_nodes(
-    mesh: Mesh,
+    rows: Rows,
     name: str,
     values: Floats,
     fields: Mapping[str, Floats],
     edge_fields: Mapping[str, Floats] | None = None,
 ) -> Floats:
-    """Values at vertices, and at mid-edge nodes where the mesh has them."""
+    """Values at rows, and at mid-edge nodes where the mesh has them: `Rows.nodes`."""
+    mesh = rows.mesh
     if mesh.midpoints is None:
         return np.ascontiguousarray(values)
     if edge_fields and name in edge_fields:
-        return np.concatenate([values, edge_fields[name]])
-    start, end = mesh.edges.T
+        return np.concatenate([values, edge_fields[name][rows.middle_edge]])
+    start, end = rows.middle_ends.T
     if values.dtype.kind == "i":  # numbers of cases have no mean
         return np.concatenate([values, values[start]])
     middle = 0.5 * (values[start] + values[end])
     if name == "displacement" and "rotation" in fields:
         rotation = fields["rotation"]  # (w_y, -w_x, 0)
         slope = np.stack([-rotation[:, 1], rotation[:, 0]], axis=1)
-        chord = (mesh.points[end] - mesh.points[start])[:, :2]
-        aside = mesh.midpoints[:, :2] - 0.5 * (mesh.points[start] + mesh.points[end])[:, :2]
+        chord = (rows.points[end] - rows.points[start])[:, :2]
+        middles = mesh.midpoints[rows.middle_edge, :2]
+        aside = middles - 0.5 * (rows.points[start] + rows.points[end])[:, :2]
         middle[:, 2] += np.sum((slope[start] - slope[end]) * chord, axis=1) / 8.0
         middle[:, 2] += 0.5 * np.sum((slope[start] + slope[end]) * aside, axis=1)
     return np.concatenate([values, middle])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,12 +9,12 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.linear import LinearSolution
 from kshell.equilibrium.problem import State
-from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
 from kshell.shell.fields import ShellFields
 from kshell.shell.group_reactions import find_reactions
+from kshell.shell.means import split_patches
 from kshell.shell.problem import ShellProblem
 
 Floats = NDArray[np.float64]
@@ -23,6 +22,10 @@ Floats = NDArray[np.float64]
 UNBALANCED = 1e-6
 # strain energy against that of stretching by all of the displacement, far below the thinnest shell in bending
 NO_STRAIN = 1e-18
+NODAL_VALUES = (
+    "forces, moments and stresses at vertices are means over the triangles around, by their angles and as tensors in "
+    "space, within each smooth piece of a sheet with one section; each piece has a row of its own there"
+)
 FRAME = "projection of global x (of y where x is normal) on the tangent plane"
 
 
@@ -74,6 +77,7 @@ def state_fields(problem: ShellProblem, state: State) -> ShellFields:
 def _fields(problem: ShellProblem, recovery: Any) -> ShellFields:
     offset = problem.structure.offset
     patches, angles = problem.discretisation.patches()
+    patches = split_patches(problem.space, patches, problem.jumps)
     find = problem.locator.find
     return ShellFields(problem.space, recovery, problem.section, offset, patches, angles, find)
 
@@ -90,8 +94,8 @@ def _answer(
         problem.discretisation, problem.supports, solution, loads, problem.reduction, moved
     )
     energies = _energies(problem, fields.recovery, solution)
-    moved = np.abs(solution.x / problem.discretisation.unknown_sizes()).max()
-    stretch = problem.energy.section.membrane.max() * moved**2
+    largest = float(np.abs(solution.x / problem.discretisation.unknown_sizes()).max())
+    stretch = problem.energy.section.membrane.max() * largest**2
     if sum(energies.values()) <= NO_STRAIN * stretch:
         balance = 0.0  # moved along without strain: all forces are rounding
     warnings = problem.warnings()
@@ -101,12 +105,13 @@ def _answer(
             "for very small or very thin triangles (`kshell check`), or a shell that is hardly held"
         )
     probes, probe_warnings = probes_of(problem, fields)
-    vertex_fields = fields.vertex_fields
     error = no_error_estimate()
     error["budget"]["algebra"] = solution.corrections[-1] if len(solution.corrections) > 1 else 0.0
     return Result(
         mesh=problem.space,
-        fields=vertex_fields,
+        fields=fields.vertex_fields,
+        rows=fields.rows,
+        nodal_values=NODAL_VALUES,
         edge_fields=Deferred({"displacement": lambda: fields.edge_displacement}),
         cell_fields=fields.cell_fields,
         unknowns=problem.reduction.basis.shape[1],
@@ -119,7 +124,6 @@ def _answer(
         strain_energy=sum(energies.values()),
         energies=energies,
         external_work=_work(problem, solution),
-        extremes=_extremes(problem.space, vertex_fields),
         evaluate=fields.at,
         error=error,
         warnings=warnings + probe_warnings,
@@ -137,19 +141,3 @@ def _energies(problem: ShellProblem, recovery: Any, solution: LinearSolution) ->
 def _work(problem: ShellProblem, solution: LinearSolution) -> float:
     """Of loads and of prescribed motion, applied slowly."""
     return 0.5 * float(problem.load @ solution.x + solution.forces @ problem.reduction.given)
-
-
-def _extremes(mesh: Mesh, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
-    """Largest displacement in size, and largest von Mises stress on any face, each with its vertex."""
-
-    def extreme(values: Floats) -> dict[str, Any]:
-        place = int(np.argmax(values))
-        return {"value": float(values[place]), "at": mesh.points[place].tolist()}
-
-    faces = [f"von_mises_{face}" for face in ("top", "middle", "bottom")]
-    return Deferred(
-        {
-            "deflection": lambda: extreme(np.linalg.norm(fields["displacement"], axis=1)),
-            "von_mises": lambda: extreme(np.max([fields[name] for name in faces], axis=0)),
-        }
-    )

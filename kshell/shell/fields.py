@@ -17,6 +17,7 @@ from kshell.material.section import Section
 from kshell.mesh.closest import Nearest
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
+from kshell.result.rows import Rows
 from kshell.shell.resultants import Resultants
 from kshell.shell.vertex_fields import Recovered, VertexFields
 
@@ -66,6 +67,11 @@ class ShellFields:
         """Fields at vertices, names as in `Result.fields`."""
         return self._vertices.fields
 
+    @property
+    def rows(self) -> Rows:
+        """What the rows of `vertex_fields` belong to."""
+        return self._vertices.rows
+
     @cached_property
     def edge_displacement(self) -> Floats:
         """(edge, 3) displacement of the middle of each edge."""
@@ -83,6 +89,7 @@ class ShellFields:
                     :, 0
                 ],
                 "membrane_force": lambda: self._centroids[1]["membrane_force"][:, 0],
+                "membrane_stress_resultant": lambda: self._centroids[1]["membrane_stress_resultant"][:, 0],
                 "moment": lambda: self._centroids[1]["moment"][:, 0],
                 "frame_axis_1": lambda: self._centroids[0].axes[:, 0, 0],
                 "normal": lambda: self._centroids[0].axes[:, 0, 2],
@@ -99,8 +106,8 @@ class ShellFields:
         Returns
         -------
         dict
-            x, u, rotation, N, M, stress_top, stress_middle, stress_bottom, axis_1 and normal of the frame, each
-            (n, 3), and distance (n,) to the point used.
+            x, u, rotation, N, M, membrane_stress_resultant, stress_top, stress_middle, stress_bottom, axis_1 and
+            normal of the frame, each (n, 3), Q (n, 2) except of order 1, and distance (n,) to the point used.
         """
         found = self.find(np.asarray(points, dtype=float))
         rows = [self._at(int(t), xi) for t, xi in zip(found.triangles, found.xi, strict=True)]
@@ -116,11 +123,17 @@ class ShellFields:
         frame = found.axes[0, 0]
         barycentric = np.array([1 - xi.sum(), *xi])
         corner = int(barycentric.argmax())
-        if barycentric[corner] > AT_VERTEX:  # the mean of all triangles there is closer than the value of one
+        at_corner = barycentric[corner] > AT_VERTEX
+        if at_corner:  # the mean of all triangles there is closer than the value of one
             corners, frames = self._vertices.corners
             values = {name: part[triangle, corner] for name, part in corners.items()}
             frame = frames[triangle, corner]
-            rotation = self._vertices.rotation[self.mesh.triangles[triangle, corner]][None, None]
+            rotation = self._vertices.corner_rotation[triangle, corner][None, None]
         out = {"x": found.position[0, 0], "u": u[0, 0], "rotation": rotation[0, 0]}
         out |= {"M": values.pop("moment"), "N": values.pop("membrane_force"), **values}
+        if not self.recovery.constant_moments:
+            if at_corner:
+                out["Q"] = self._vertices.corner_shear[triangle, corner]
+            else:
+                out["Q"] = frame[:2] @ self._recovered.shear(xi[None], one)[0, 0]
         return {**out, "axis_1": frame[0], "normal": frame[2]}

@@ -18,6 +18,7 @@ from kshell.material.materials import rotated
 from kshell.mesh import quadratic
 from kshell.mesh.closest import Locator
 from kshell.mesh.words import place
+from kshell.scene.lines import shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.held import require_held
@@ -146,6 +147,11 @@ class ShellProblem:
             self.springs,
             initial=loads.initial,
         )
+
+    @cached_property
+    def jumps(self) -> NDArray[np.bool_]:
+        """(edge,) edges inside across which forces or moments jump."""
+        return shell_lines(self.structure)
 
     @cached_property
     def locator(self) -> Locator:

@@ -2,6 +2,15 @@
 
 The frame of all tensors: e_1 is the projection of the global x on the tangent plane (of y where x is
 normal), e_2 = n x e_1, and tensors are listed 11, 22, 12.
+
+The force in a cut is not what the strain works against. With N_K conjugate to the membrane strain, M to kappa =
+-(b - B), the force per length of rest through a cut with the unit conormal nu in the surface is
+
+    nu_i (N_ij e_j + Q_i n),   N_ij = N_K,ij - M_ik b_kj,   Q_i = M_ij|j
+
+(virtual work of kappa, by parts: P. M. Naghdi, Handbuch der Physik VIa/2 (1972) 425-640, section 15), b > 0 where the
+surface bends towards its normal; N_12 and N_21 differ, so that with the moments the balance about the normal holds.
+Under large deflections b is that of the deformed surface, its second index raised by the deformed metric.
 """
 
 from __future__ import annotations
@@ -11,11 +20,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kshell.shell.frames import contravariant_to_frame, tangent_frame
+from kshell.shell.frames import components, contravariant_to_frame, covariant_to_frame, tangent_frame
 from kshell.shell.section import Section, section_at
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
+
+
+_FULL = np.array([[0, 2], [2, 1]])  # places of 11, 22, 12 in the full tensor
 
 
 class Resultants(NamedTuple):
@@ -26,8 +38,10 @@ class Resultants(NamedTuple):
     position : (..., 3)
     axes : (..., 3, 3)
         Rows e_1, e_2, n of the frame.
-    membrane_force, moment : (..., 3)
-        N and M in the frame: force per length, and moment per length, positive with the top in tension.
+    membrane_stress_resultant, moment : (..., 3)
+        N_K and M in the frame: force per length, and moment per length, positive with the top in tension.
+    bend : (..., 2, 2)
+        b_kj in the frame.
     strain, curvature : (..., 3)
         Elastic E and kappa in the *material* axes, the shear components doubled.
     to_frame : (..., 3, 3)
@@ -36,11 +50,24 @@ class Resultants(NamedTuple):
 
     position: Floats
     axes: Floats
-    membrane_force: Floats
+    membrane_stress_resultant: Floats
     moment: Floats
+    bend: Floats
     strain: Floats
     curvature: Floats
     to_frame: Floats
+
+    @property
+    def section_force(self) -> Floats:
+        """(..., 2, 2) N_ij, the force along e_j in a cut with the conormal e_i; not symmetric."""
+        n, m = (tensor[..., _FULL] for tensor in (self.membrane_stress_resultant, self.moment))
+        return np.asarray(n - m @ self.bend)
+
+    @property
+    def membrane_force(self) -> Floats:
+        """(..., 3) the symmetric part of N_ij."""
+        n = self.section_force
+        return np.stack([n[..., 0, 0], n[..., 1, 1], 0.5 * (n[..., 0, 1] + n[..., 1, 0])], axis=-1)
 
     def stress(self, stiffness: ArrayLike, height: ArrayLike) -> Floats:
         """Stress (..., 3) in the frame at a height above the meshed surface.
@@ -57,9 +84,28 @@ class Resultants(NamedTuple):
 
 
 def resultants_in_frame(
-    section: Section, chosen: NDArray, position: Floats, x: Floats, e: Floats, kappa: Floats, moment: Floats
+    section: Section,
+    chosen: NDArray,
+    position: Floats,
+    x: Floats,
+    e: Floats,
+    kappa: Floats,
+    moment: Floats,
+    second_form: Floats,
+    stretched: Floats | None = None,
 ) -> Resultants:
-    """Strains and moments in the material axes, turned into the frame of the results."""
+    """Strains and moments in the material axes, turned into the frame of the results.
+
+    Parameters
+    ----------
+    x : (2, 3, triangle, point)
+        Tangents at rest.
+    e, kappa, moment : (triangle, point, 3)
+    second_form : (3, triangle, point)
+        b_11, b_22, b_12 along the element coordinates.
+    stretched : (3, triangle, point), optional
+        All of the membrane strain along the element coordinates, where deflections are large.
+    """
     a, b, _, angle = section_at(section, chosen, lambda: position)
     force = a @ e[..., None] + b @ kappa[..., None]
     e1, e2, _ = tangent_frame(x, section.direction, angle)
@@ -69,12 +115,27 @@ def resultants_in_frame(
     return Resultants(
         position=position,
         axes=np.moveaxis(axes, (0, 1), (2, 3)),
-        membrane_force=(to_frame @ force)[..., 0],
+        membrane_stress_resultant=(to_frame @ force)[..., 0],
         moment=(to_frame @ moment[..., None])[..., 0],
+        bend=_bend(x, axes, second_form, stretched),
         strain=e,
         curvature=kappa,
         to_frame=to_frame,
     )
+
+
+def _bend(x: Floats, axes: Floats, second_form: Floats, stretched: Floats | None) -> Floats:
+    """(triangle, point, 2, 2) b in the frame, its second index raised by the deformed metric."""
+    to_frame = covariant_to_frame(components(x, axes[0], axes[1]))
+
+    def full(tensor: Floats) -> Floats:
+        t11, t22, twice = np.einsum("vwtp,wtp->vtp", to_frame, tensor)
+        return np.moveaxis(
+            np.stack([np.stack([t11, 0.5 * twice]), np.stack([0.5 * twice, t22])]), (0, 1), (2, 3)
+        )
+
+    b = full(second_form)
+    return b if stretched is None else b @ np.linalg.inv(np.eye(2) + 2 * full(stretched))
 
 
 def finite_rotation(before: Floats, after: Floats) -> Floats:

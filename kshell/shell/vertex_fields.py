@@ -1,8 +1,11 @@
 """Values of a solved shell at the vertices of its mesh.
 
 They are means over the triangles around a vertex, by their angles, within each patch that is smooth, taken as
-tensors in space, because frames of neighbours differ. Where patches meet, at folds and branches, the vertex shows
-the patch with the largest stress.
+tensors in space, because frames of neighbours differ. Where patches meet, at folds and branches and where the section
+or moments jump, the vertex has a row for each (`kshell.result.rows`).
+
+Shear forces Q = P div_s M follow from the moments of each triangle as tensors in space, g^a . M,a projected on the
+tangent plane, which is M_ij|j. Moments of order 1 are constant in each triangle and say nothing of them.
 """
 
 from __future__ import annotations
@@ -19,14 +22,19 @@ from kshell.material.section import Section
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
+from kshell.result.rows import Rows
 from kshell.shell.frames import frames_of_normals, in_frame, in_space
-from kshell.shell.reference import VERTICES
+from kshell.shell.means import patch_means
+from kshell.shell.reference import VERTICES, first_derivatives, lattice
 from kshell.shell.resultants import Resultants
+from kshell.shell.vectors import cross, dot
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 FACES = ("bottom", "middle", "top")
+DEGREE = 4  # of the polynomials through which moments inside a triangle are differentiated
+SYMMETRIC = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])  # places of xx yy zz yz xz xy in the full tensor
 
 
 @dataclass(frozen=True)
@@ -50,10 +58,27 @@ class Recovered:
         """Resultants, and N, M and stresses (triangle, point, 3) by name, at reference points."""
         found = self.recovery.resultants(points, triangles)
         half = 0.5 * self.section.thickness(triangles, found.position)
-        out = {"membrane_force": found.membrane_force, "moment": found.moment}
+        out = {
+            "membrane_force": found.membrane_force,
+            "membrane_stress_resultant": found.membrane_stress_resultant,
+            "moment": found.moment,
+        }
         for face, stiffness, side in zip(FACES, self.section.moduli, (-1.0, 0.0, 1.0), strict=True):
             out[f"stress_{face}"] = found.stress(stiffness, self.offset + side * half)
         return found, out
+
+    def shear(self, points: Floats, triangles: Ints) -> Floats:
+        """Q as vectors in space (triangle, point, 3), at reference points, from the moments inside each triangle."""
+        found = self.recovery.resultants(lattice(DEGREE), triangles)
+        slopes = first_derivatives(DEGREE, points)
+        moment = in_space(found.moment, found.axes)[..., SYMMETRIC]  # (triangle, node, 3, 3)
+        tangents = np.einsum("aqn,tnx->axtq", slopes, found.position)
+        normal = cross(tangents[0], tangents[1])
+        square = dot(normal, normal)
+        reciprocal = np.stack([cross(tangents[1], normal), cross(normal, tangents[0])]) / square
+        force = np.einsum("aqn,tnij,ajtq->itq", slopes, moment, reciprocal, optimize=True)
+        force = force - normal * (dot(normal, force) / square)
+        return np.moveaxis(force, 0, 2)
 
     def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
         """Displacement and rotation (triangle, point, 3)."""
@@ -76,6 +101,7 @@ class VertexFields:
 
     def __init__(self, mesh: Mesh, recovered: Recovered, patches: Ints, corner_angles: Floats) -> None:
         self.mesh, self.recovered, self.patches, self.corner_angles = mesh, recovered, patches, corner_angles
+        self.rows = Rows.of_patches(mesh, patches)
 
     @cached_property
     def corners(self) -> tuple[dict[str, Floats], Floats]:
@@ -96,17 +122,24 @@ class VertexFields:
     @cached_property
     def fields(self) -> Deferred[Floats]:
         """Fields at vertices, names as in `Result.fields`."""
-        spatial = ("membrane_force", "moment", *(f"stress_{face}" for face in FACES))
+        spatial = (
+            "membrane_force",
+            "membrane_stress_resultant",
+            "moment",
+            *(f"stress_{face}" for face in FACES),
+        )
         makers: dict[str, Callable[[], Floats]] = {
-            "displacement": lambda: self.displacement,
-            "rotation": lambda: self.rotation,
+            "displacement": lambda: self._at_rows(self._motion[0]),
+            "rotation": lambda: self._at_rows(self.corner_rotation),
             **{name: partial(self._tensor, name) for name in spatial},
             **{f"von_mises_{face}": partial(self._von_mises, face) for face in FACES},
             "principal_forces": lambda: principal(self._tensor("membrane_force")),
             "principal_moments": lambda: principal(self._tensor("moment")),
-            "frame_axis_1": lambda: self._at_vertices(self.corners[1])[:, 0],
-            "normal": lambda: self._at_vertices(self.corners[1])[:, 2],
+            "frame_axis_1": lambda: self._at_rows(self.corners[1])[:, 0],
+            "normal": lambda: self._at_rows(self.corners[1])[:, 2],
         }
+        if not self.recovered.recovery.constant_moments:
+            makers["shear"] = lambda: self._at_rows(self.corner_shear)
         return Deferred(makers)
 
     @cached_property
@@ -115,57 +148,24 @@ class VertexFields:
         return self.recovered.displacement(VERTICES, np.arange(len(self.mesh.triangles)))
 
     @cached_property
-    def displacement(self) -> Floats:
-        """(vertex, 3); all triangles around a vertex share it."""
-        out = np.zeros((len(self.mesh.points), 3))
-        out[self.mesh.triangles] = self._motion[0]
+    def corner_rotation(self) -> Floats:
+        """(triangle, 3, 3) at the corners, the mean of the triangles around the vertex."""
+        return self._average(self._motion[1], np.zeros(len(self.mesh.triangles), dtype=np.int64))
+
+    @cached_property
+    def corner_shear(self) -> Floats:
+        """(triangle, 3, 2) shear forces at the corners, means of the patch, in the frames of `corners`."""
+        shear = self.recovered.shear(VERTICES, np.arange(len(self.mesh.triangles)))
+        return np.einsum("tcix,tcx->tci", self.corners[1][..., :2, :], self._average(shear, self.patches))
+
+    def _at_rows(self, values: Floats) -> Floats:
+        """(row, ...) of values at corners (triangle, 3, ...) that are the same at all corners of a row."""
+        out = np.zeros((len(self.rows.vertex), *values.shape[2:]))
+        out[self.rows.corner] = values
         return out
 
-    @cached_property
-    def rotation(self) -> Floats:
-        """(vertex, 3), the mean of the triangles around."""
-        one = np.zeros(len(self.mesh.triangles), dtype=np.int64)
-        return self._at_vertices(self._average(self._motion[1], one))
-
-    @cached_property
-    def _corner_of_vertex(self) -> Ints:
-        """(vertex,) the corner that is shown at each vertex: where patches meet that of the largest stress."""
-        corners, _ = self.corners
-        shown = np.max([von_mises(corners[f"stress_{face}"]) for face in FACES], axis=0).ravel()
-        order = np.argsort(shown, kind="stable")
-        corner = np.zeros(len(self.mesh.points), dtype=np.int64)
-        corner[self.mesh.triangles.ravel()[order]] = order  # the largest comes last and stays
-        return corner
-
-    def _at_vertices(self, values: Floats) -> Floats:
-        """(vertex, ...) of values at corners (triangle, 3, ...)."""
-        return values.reshape(-1, *values.shape[2:])[self._corner_of_vertex]
-
     def _tensor(self, name: str) -> Floats:
-        return self._at_vertices(self.corners[0][name])
+        return self._at_rows(self.corners[0][name])
 
     def _von_mises(self, face: str) -> Floats:
         return von_mises(self._tensor(f"stress_{face}"))
-
-
-def patch_means(mesh: Mesh, corner_angles: Floats, values: Floats, patches: Ints) -> Floats:
-    """Mean of corner values at each vertex of each patch, by the angles of the triangles.
-
-    Parameters
-    ----------
-    corner_angles : (triangle, 3)
-    values : (triangle, 3, n)
-        At the corners.
-    patches : (triangle,)
-
-    Returns
-    -------
-    (triangle, 3, n), the mean at each corner.
-    """
-    key = patches.astype(np.int64)[:, None] * len(mesh.points) + mesh.triangles
-    _, place = np.unique(key.ravel(), return_inverse=True)
-    weight = corner_angles.ravel()
-    total = np.bincount(place, weights=weight)
-    flat = values.reshape(len(place), -1)
-    means = np.stack([np.bincount(place, weights=weight * column) / total for column in flat.T], axis=1)
-    return means[place].reshape(values.shape)

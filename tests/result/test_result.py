@@ -60,7 +60,7 @@ def test_extremes_keep_the_sign_and_the_place():
     fields = fields_at(mesh.points)
     fields["displacement"] *= -2.0
     extremes = fabricated_result(mesh, fields=fields).extremes
-    assert extremes["deflection"] == {"value": -2.0, "at": [0.5, 0.5, 0.0]}
+    assert extremes["deflection"] == {"value": -2.0, "at": [0.5, 0.5, 0.0], "group": "plate"}
     assert extremes["von_mises"]["value"] == pytest.approx(fields["von_mises_top"].max())
 
 

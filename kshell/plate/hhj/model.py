@@ -14,7 +14,7 @@ from kshell.elements.morley import ElementMorley
 from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError, SolveError
 from kshell.mesh.words import place
-from kshell.plate.answer import UNBALANCED, cell_fields, vertex_fields
+from kshell.plate.answer import NODAL_VALUES, UNBALANCED, cell_fields, vertex_fields
 from kshell.plate.curves import edge_curves
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.geometry import Triangles
@@ -164,6 +164,8 @@ class HHJModel(Model):
         return Result(
             mesh=mesh,
             fields=vertex_fields(fields),
+            rows=fields.rows,
+            nodal_values=NODAL_VALUES,
             cell_fields=cell_fields(problem.section, problem.domain, fields),
             unknowns=system.count,
             model={},

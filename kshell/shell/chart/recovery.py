@@ -54,6 +54,9 @@ def chart_resultants(
         membrane = [e + 0.5 * square for e, square in zip(membrane, squares, strict=True)]
         bending = list(-curvature_change(first, second, u[:2], u[2:]).change)
     covariant = np.stack(membrane + bending)
+    second_form, stretched = np.stack([dot(n, second[v]) for v in range(3)]), None
+    if finite:
+        second_form, stretched = second_form - covariant[3:], covariant[:3].copy()
     if initial is not None:
         between = lagrange(3, points) @ np.linalg.pinv(lagrange(3, surface.points))
         covariant -= np.einsum("pq,tqs->stp", between, initial[chosen].reshape(len(chosen), -1, 6))
@@ -63,7 +66,7 @@ def chart_resultants(
     to_frame = covariant_to_frame(components(first, *tangent_frame(first, section.direction, angle)[:2]))
     e, kappa = (np.einsum("vwtp,wtp->tpv", to_frame, part) for part in (covariant[:3], covariant[3:]))
     moment = (b @ e[..., None] + d @ kappa[..., None])[..., 0]
-    return resultants_in_frame(section, chosen, position, first, e, kappa, moment)
+    return resultants_in_frame(section, chosen, position, first, e, kappa, moment, second_form, stretched)
 
 
 def _geometry(first: Floats) -> tuple[Floats, Floats]:
@@ -86,6 +89,8 @@ class ChartRecovery:
     initial : (triangle, 6 q), optional
         Strains without stress.
     """
+
+    constant_moments = False
 
     def __init__(
         self, energy: ChartKoiter, x: Floats, finite: bool = False, initial: Floats | None = None

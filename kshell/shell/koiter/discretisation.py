@@ -274,11 +274,18 @@ class KoiterRecovery:
     ) -> None:
         self.koiter, self.x, self.finite = koiter, x, finite
         strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
+        self._total = strain
         self.strain = strain if initial is None else strain - initial
 
     def resultants(self, points: Floats, triangles: Ints) -> Resultants:
         """N, M and strains at reference points (point, 2) of triangles."""
-        return resultants(self.koiter, self.strain, points, triangles)
+        total = self._total if self.finite else None
+        return resultants(self.koiter, self.strain, points, triangles, total)
+
+    @property
+    def constant_moments(self) -> bool:
+        """Whether moments do not change inside triangles."""
+        return self.koiter.surface.order == 1
 
     def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
         """Displacement and rotation vector, each (triangle, point, 3)."""

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.shell.frames import components, contravariant_to_frame, covariant_to_frame, tangent_frame
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.surface import Surface
-from kshell.shell.reference import first_derivatives, lagrange
+from kshell.shell.reference import first_derivatives, lagrange, second_derivatives
 from kshell.shell.resultants import Resultants, finite_rotation, resultants_in_frame
 from kshell.shell.section import section_at
 from kshell.shell.vectors import cross, dot, norm
@@ -25,6 +25,7 @@ def resultants(
     strain: Floats,
     points: ArrayLike,
     triangles: NDArray | None = None,
+    total: Floats | None = None,
 ) -> Resultants:
     """N, M and strains from the strains s of `Koiter.strain` or `Koiter.linear_strain`.
 
@@ -38,29 +39,60 @@ def resultants(
         Reference coordinates, the same in all triangles.
     triangles : (n,) int array, optional
         All if absent.
+    total : (triangle, 2 r), optional
+        Strains with those without stress, where deflections are large and forces in cuts are those of the deformed
+        surface.
     """
     surface, section = koiter.surface, koiter.section
     chosen = np.arange(len(surface.mesh.triangles)) if triangles is None else np.asarray(triangles)
     points = np.asarray(points, dtype=float).reshape(-1, 2)
     psi = lagrange(surface.order - 1, points)
-    r = surface.reference.strains
-    s = strain[chosen]
-    m = np.matmul(koiter.stiffness[chosen], s[:, :, None])[:, r:, 0].reshape(len(chosen), -1, 3)
-
     x = surface.tangents(first_derivatives(surface.order, points), chosen)
     area = norm(cross(x[0], x[1]))
-    covariant = np.einsum("pk,tkv->vtp", psi, s[:, :r].reshape(len(chosen), -1, 3))
-    contravariant = np.einsum("pk,tkv->vtp", psi, m) / area**2
     position = np.einsum(
         "pn,tnx->tpx", lagrange(surface.order, points), surface.nodes[surface.triangle_nodes[chosen]]
     )
     _, b, d, angle = section_at(section, chosen, lambda: position)
     f = components(x, *tangent_frame(x, section.direction, angle)[:2])
-    e = np.einsum("vwtp,wtp->tpv", covariant_to_frame(f), covariant)
-    moment = np.einsum("vwtp,wtp->tpv", contravariant_to_frame(f), contravariant)
-    bent = moment[..., None] - b @ e[..., None]
-    kappa = np.linalg.solve(np.broadcast_to(d, (*moment.shape, 3)), bent)[..., 0]
-    return resultants_in_frame(section, chosen, position, x, e, kappa, moment)
+    to_frame = covariant_to_frame(f)
+
+    def strains(all_strains: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Membrane strain along the element coordinates; it, kappa and M in the material axes."""
+        r, s = surface.reference.strains, all_strains[chosen]
+        m = np.matmul(koiter.stiffness[chosen], s[:, :, None])[:, r:, 0].reshape(len(chosen), -1, 3)
+        covariant = np.einsum("pk,tkv->vtp", psi, s[:, :r].reshape(len(chosen), -1, 3))
+        contravariant = np.einsum("pk,tkv->vtp", psi, m) / area**2
+        e = np.einsum("vwtp,wtp->tpv", to_frame, covariant)
+        moment = np.einsum("vwtp,wtp->tpv", contravariant_to_frame(f), contravariant)
+        bent = moment[..., None] - b @ e[..., None]
+        kappa = np.linalg.solve(np.broadcast_to(d, (*moment.shape, 3)), bent)[..., 0]
+        return covariant, e, kappa, moment
+
+    covariant, e, kappa, moment = strains(strain)
+    second_form, stretched = rest_second_form(surface, points, chosen, x), None
+    if total is not None and surface.order > 1:
+        stretched, _, change, _ = (covariant, e, kappa, moment) if total is strain else strains(total)
+        back = np.linalg.inv(np.moveaxis(to_frame, (0, 1), (2, 3)))
+        second_form = second_form - np.moveaxis((back @ change[..., None])[..., 0], 2, 0)
+    return resultants_in_frame(section, chosen, position, x, e, kappa, moment, second_form, stretched)
+
+
+def rest_second_form(surface: Surface, points: Floats, triangles: NDArray, x: Floats) -> Floats:
+    """B_11, B_22, B_12 along the element coordinates at reference points: (3, triangle, point).
+
+    Triangles of order 1 are flat, they bend at their edges only: the force in a cut is what their strain works against.
+
+    Parameters
+    ----------
+    x : (2, 3, triangle, point)
+        Tangents there.
+    """
+    if surface.order == 1:
+        return np.zeros((3, len(triangles), len(points)))
+    normal = cross(x[0], x[1])
+    normal = normal / norm(normal)
+    second = surface.jets(surface.nodes, second_derivatives(surface.order, points), triangles)
+    return np.stack([dot(normal, y) for y in second])
 
 
 def displacement(
