@@ -23,6 +23,9 @@ from kshell.result.result import Result
 from kshell.scene.options import SolveOptions
 from kshell.values.naming import listing, suggestion
 
+# part of a displacement left free by supports that is rounding of their directions
+HELD = 1e-9
+
 
 def analyse(model: Model, run: Run) -> Result:
     """The path of the loads, or of a displacement.
@@ -112,7 +115,8 @@ def marching_of(model: FiniteModel, problem: Problem, options: SolveOptions) -> 
         hint = suggestion(name, probes)
         raise InputError(f'control: no probe "{name}": {hint}the probes are {listing(probes)}')
     row, reduction = model.probe_row(name, letter), problem.reduction
-    if not np.any(reduction.basis.T @ row) and row @ reduction.given == 0.0:
+    felt = np.abs(reduction.basis.T @ row).max(initial=0.0) > HELD * np.abs(row).max()
+    if not felt and row @ reduction.given == 0.0:
         raise InputError(
             f'control: the supports hold probe "{name}" along {letter}: control another displacement'
         )
@@ -207,6 +211,11 @@ def _what_happens(critical: Critical, after: float) -> str:
         return (
             f"the path could not be followed beyond the factor {factor:.6g}: from there the shell jumps to a stable "
             f"state at the factor {after:.6g}"
+        )
+    if critical.kind == "unstable":
+        return (
+            f"the equilibrium at the load factor {factor:.6g} is unstable, a small disturbance makes the shell buckle: "
+            "this is a stable state that it goes to; where loads and supports are symmetric the mirror image is another"
         )
     passes = f"the load passes a {critical.kind} point at the factor {factor:.6g}"
     if critical.then == "branched":

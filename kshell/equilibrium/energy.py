@@ -137,6 +137,7 @@ class StrainEnergy(ABC):
         memory: Any = None,
         stress: Floats | None = None,
         initial: Floats | None = None,
+        projected: bool = False,
     ) -> Energy:
         """Energy of a state of finite deformation.
 
@@ -151,6 +152,8 @@ class StrainEnergy(ABC):
             Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.
         initial : (triangle, r), optional
             Strains at which the triangles are free of stress, such as those of temperature.
+        projected : bool
+            Whether the matrices of the triangles lose their negative eigenvalues.
         """
         memory = self.rest if memory is None else memory
         value = 0.0
@@ -170,7 +173,7 @@ class StrainEnergy(ABC):
                 matrices = self._product(gradient, triangles)
                 curved = self._geometric(state, mine if stress is None else stress[triangles], triangles)
                 matrices[:, : curved.shape[1], : curved.shape[1]] += curved
-                self.sparsity.put(room, triangles, matrices)
+                self.sparsity.put(room, triangles, _positive(matrices) if projected else matrices)
             linear.strain[triangles] = strain
             linear.gradients.append(gradient)
         if derivatives == 0:
@@ -234,6 +237,12 @@ class StrainEnergy(ABC):
         """Sum of forces (triangle, n) on each unknown."""
         where = self.triangle_unknowns.ravel()
         return np.asarray(np.bincount(where, weights=forces.ravel(), minlength=self.unknowns), dtype=float)
+
+
+def _positive(matrices: Floats) -> Floats:
+    """Symmetric matrices (triangle, n, n) without their negative eigenvalues."""
+    values, vectors = np.linalg.eigh(matrices)
+    return np.asarray((vectors * np.maximum(values, 0.0)[:, None, :]) @ vectors.swapaxes(1, 2))
 
 
 def in_blocks(count: int, size: int) -> list[slice]:

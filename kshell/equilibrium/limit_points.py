@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.march import Crossing, March
 from kshell.equilibrium.path import Arc, Critical, PathFollower
-from kshell.equilibrium.problem import Problem
+from kshell.equilibrium.problem import Problem, State
 from kshell.equilibrium.relax import relax
 from kshell.errors import SolveError
 
@@ -92,6 +92,17 @@ def jump(course: Course, march: March, error: SolveError) -> tuple[March, Critic
     size = float(np.sign(left)) * further
     onward = March(found, size, attempts=march.attempts, jumps=march.jumps + 1, branched=march.branched)
     return onward, critical
+
+
+def leave_unstable(course: Course, found: State) -> tuple[Critical, State] | None:
+    """From an unstable last state, pushed along its softest motion, to a stable one; None where none is found."""
+    critical = course.follower.softest_motion(found)
+    pushed = replace(found, x=found.x + course.aside * critical.mode)
+    try:
+        stable = relax(course.problem, pushed, found.factor)
+    except SolveError:
+        return None
+    return replace(critical, kind="unstable", then="jumped"), stable
 
 
 def into_crossing(course: Course, march: March, error: SolveError) -> March:

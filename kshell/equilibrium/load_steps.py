@@ -16,7 +16,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.limit_points import Course, Limits, cross, distance, into_crossing, jump, leave
+from kshell.equilibrium.limit_points import (
+    Course,
+    Limits,
+    cross,
+    distance,
+    into_crossing,
+    jump,
+    leave,
+    leave_unstable,
+)
 from kshell.equilibrium.march import March
 from kshell.equilibrium.newton import correct
 from kshell.equilibrium.path import Critical, Path, PathFollower
@@ -112,15 +121,31 @@ class LoadSteps:
             moved = distance(self.problem, found.x - state.x)
             rate = moved / abs(size)
             jumped = march.rate > 0.0 and rate > JUMP * march.rate
+            least = max(SMALLEST_STEP * abs(self.span), CLOSE * abs(state.factor))
+            if not found.forward and abs(size) >= least:
+                march = replace(march, size=0.5 * size)  # against its own tangent: on another branch
+                continue
             lost = found.negative > state.negative and abs(size) > DOUBTFUL_STEP * abs(self.span) / self.steps
             if lost or (jumped and abs(size) >= SMALLEST_STEP * abs(self.span)):
                 march = replace(march, size=0.5 * size)  # the iteration may have gone to another branch
                 continue
             critical = None
             if found.negative != state.negative and course.limits != "stop":
-                critical = course.follower.critical(state, moved, None)
+                critical, low = course.follower.bracketed(state, moved)
+                if low is not None and abs(size) >= least:
+                    # stable all along the path: that step ended on another branch
+                    made = low.factor - state.factor
+                    if not least <= np.sign(left) * made <= abs(left):
+                        march = replace(march, size=0.5 * size)
+                        continue
+                    moved = distance(self.problem, low.x - state.x)
+                    return replace(march, state=low, size=made, moved=moved, rate=moved / abs(made)), None
                 if course.branch and not march.branched and critical.kind == "bifurcation":
                     return leave(course, march, critical), replace(critical, then="branched")
+            if course.limits == "jump" and found.negative and found.factor == self.until:
+                stable = leave_unstable(course, found)
+                if stable is not None:
+                    critical, found = stable
             if found.iterations <= EASY:
                 size *= 1.5
             elif found.iterations > HARD:

@@ -71,11 +71,15 @@ def correct(problem: Problem, state: State, factor: float, most_iterations: int 
         change = basis @ step
         if iteration == 1 and moved:
             change = change + shift
+        if iteration == 1:
+            pointed = problem.energy.translation_weights() * change
         stress = problem.energy.extrapolated_stress(energy.linear, change)
         x = x + change
         scale = max(problem.scale + abs(energy.value) + abs(factor * float(growth @ x)), least)
         if iteration > 1 and work <= FINISHED * scale:
-            return problem.settle(State(factor, x, state.memory, iteration, tangent.negative, state.turned))
+            forward = bool(pointed @ (x - state.x) >= 0.0)
+            found = State(factor, x, state.memory, iteration, tangent.negative, state.turned, forward)
+            return problem.settle(found)
         if not np.isfinite(work) or (iteration > 2 and work > DIVERGED * first):
             break
         first = max(first, work)

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,8 @@ GOOD = 6
 SHORTEST = 1.0 / 2048.0
 LONGEST = 16.0
 BISECTIONS = 8
+# short steps after the last bisection in which the critical point must lie
+MARGIN = 4
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,13 @@ class Step:
 
     state: State
     moved: Floats
+
+
+class Low(NamedTuple):
+    """A state before a critical point, and the motion of the free unknowns to it."""
+
+    state: State
+    moved: Floats | None
 
 
 @dataclass(frozen=True)
@@ -217,6 +226,28 @@ class PathFollower:
 
     def critical(self, before: State, length: float, along: Floats | None) -> Critical:
         """The critical point within a step of a length from `before`, by bisection."""
+        return self.softest_motion(self._bisected(before, length, along)[0].state)
+
+    def bracketed(self, before: State, length: float) -> tuple[Critical, State | None]:
+        """The same; and the last state of the path where its stability is not seen to change in a last short step.
+
+        Then a step that ended less stable, or more, left the path for another one.
+        """
+        low, length = self._bisected(before, length, None)
+        state, direction = low
+        critical = self.softest_motion(state)
+        for _ in range(MARGIN):
+            try:
+                step = self.arc(state, length, direction)
+            except SolveError:
+                return critical, None  # nothing is known against it
+            if step.state.negative != before.negative:
+                return critical, None
+            state, direction = step.state, step.moved
+        return critical, state
+
+    def _bisected(self, before: State, length: float, along: Floats | None) -> tuple[Low, float]:
+        """The last state as stable as the first, with the motion to it, and the length of the last step."""
         low, direction = before, along
         for _ in range(BISECTIONS):
             length *= 0.5
@@ -226,7 +257,7 @@ class PathFollower:
                 continue
             if step.state.negative == before.negative:
                 low, direction = step.state, step.moved
-        return self.softest_motion(low)
+        return Low(low, direction), length
 
     def softest_motion(self, low: State) -> Critical:
         """A state taken for critical: its softest motion, and whether the load works on it."""

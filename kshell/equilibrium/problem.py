@@ -59,12 +59,21 @@ class Problem:
     scale: float = 0.0
 
     def evaluate(
-        self, x: Floats, factor: float, derivatives: int, memory: Any, stress: Floats | None = None
+        self,
+        x: Floats,
+        factor: float,
+        derivatives: int,
+        memory: Any,
+        stress: Floats | None = None,
+        projected: bool = False,
     ) -> tuple[Energy, Floats, Floats]:
-        """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor)."""
+        """Energy with the tangent of all forces, the residual (unknowns,), and d(external force)/d(factor).
+
+        `projected` as for `StrainEnergy.energy`.
+        """
         growth = self.load
         initial = None if self.initial is None else factor * self.initial
-        energy = self.energy.energy(x, derivatives, memory, stress, initial)
+        energy = self.energy.energy(x, derivatives, memory, stress, initial, projected)
         tangent = energy.hessian
         if self.follower is not None:
             force, stiffness = self.follower(x)
@@ -150,6 +159,8 @@ class State:
         Negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable.
     turned : (unknowns,) or 0
         Unknowns that the memory took up, all in all: x + turned is the motion that loads work on.
+    forward : bool
+        Whether the step to it led where its first iteration pointed.
     """
 
     factor: float
@@ -158,3 +169,4 @@ class State:
     iterations: int = 0
     negative: int = 0
     turned: Floats | float = 0.0
+    forward: bool = True

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from kshell.equilibrium.minimise import minimise
 from kshell.equilibrium.newton import correct
 from kshell.equilibrium.problem import Problem, State
 from kshell.errors import SolveError
@@ -63,9 +64,13 @@ def relax(problem: Problem, state: State, factor: float) -> State:
             if found is not None and not found.negative:
                 return replace(found, iterations=iterations + found.iterations)
         spring *= 0.5 if moved.iterations <= EASY else 0.8 if moved.iterations <= HARD else 1.2
-    raise SolveError(
-        f"no stable equilibrium found at the load factor {factor:.6g} beyond the limit point", state=state
-    )
+    try:
+        found = minimise(problem, state, factor)
+    except SolveError:
+        raise SolveError(
+            f"no stable equilibrium found at the load factor {factor:.6g} beyond the limit point", state=state
+        ) from None
+    return replace(found, iterations=iterations + found.iterations)
 
 
 def _first_spring(problem: Problem, state: State, factor: float) -> float:
