@@ -240,6 +240,8 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
         support = held.item
         if isinstance(support, Hinge):
             yield f"{support} is a hinge line"
+        elif getattr(support, "axes", None) is not None:
+            yield f"{support} has axes of its own"
         elif moved and support.value is not None:
             value = support.translation_at(held.vertices(mesh))
             if exceeds(value[:, :2], value):

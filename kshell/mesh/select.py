@@ -178,6 +178,7 @@ def _nearest_vertex(mesh: Mesh, items: list[Any], allowed: tuple[int, ...], what
     distances = np.linalg.norm(mesh.points - point, axis=1)
     vertex = int(np.argmin(distances))
     distance = float(distances[vertex])
+    _require_near(mesh, point, distance, f"{what} at {label}")
     warning = None
     if distance > MOVED * mesh.size:
         warning = (
@@ -186,3 +187,21 @@ def _nearest_vertex(mesh: Mesh, items: list[Any], allowed: tuple[int, ...], what
             "Surface{1};`"
         )
     return Selection(0, np.array([vertex], dtype=np.int32), label, distance, warning)
+
+
+def _require_near(mesh: Mesh, point: NDArray[np.float64], distance: float, what: str) -> None:
+    """Refuse a point that lies farther from the surface than a mesh size: it is meant in other units, or misplaced."""
+    typical = float(np.sqrt(2 * np.median(mesh.areas)))
+    if distance <= typical:
+        return
+    from kshell.mesh.closest import Locator
+
+    found = Locator.of(mesh).find(point[None])
+    off = float(found.distance[0])
+    if off > typical:
+        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        raise InputError(
+            f"{what}: the point lies {off:.3g} off the surface, more than a mesh size ({typical:.3g}); the nearest "
+            f"place of the surface is {place(found.x[0])}, and the mesh reaches from {place(low)} to {place(high)}: "
+            "look at the coordinates and their unit"
+        )

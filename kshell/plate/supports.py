@@ -41,6 +41,7 @@ Ints = NDArray[np.int64]
 
 SAMPLES = np.linspace(0.0, 1.0, 6)  # where prescribed values are read along an edge: a quintic
 NONE = np.zeros(0, dtype=np.int64)
+UPRIGHT = 1e-9  # component of a unit vector that is rounding
 
 HANDLERS = Handlers('is for shells: take model = "shell", or leave it out')
 
@@ -437,8 +438,8 @@ class _Builder:
         selection = placed.place
         assert selection is not None  # supports are somewhere
         what = f"support {support.kind}"
-        unsuitable = set(support.freedoms) - {"z", "r"}
-        if unsuitable == set(support.freedoms):
+        letters = _spring_letters(support, f"{what} on '{selection.label}'")
+        if not letters:
             return
         members = selection.members.astype(np.int64)
         element = self.layout.element
@@ -448,24 +449,23 @@ class _Builder:
 
         label, degree = selection.label, polynomial_degree(support.stiffness)
         if selection.dimension == 2:
-            if "r" in support.freedoms:
+            if "r" in letters:
                 raise InputError(
                     f"{what} on '{label}': a rotation spring needs a curve or a point, not a surface"
                 )
             self.out.springs.append((label, AreaSpring(self.domain, element, members, stiffness, degree)))
         elif selection.dimension == 1:
-            for freedom in support.freedoms:
-                if freedom in "zr":
-                    form = EdgeSpring(self.domain, element, members, stiffness, freedom == "r", degree)
-                    self.out.springs.append((label, form))
+            for freedom in letters:
+                form = EdgeSpring(self.domain, element, members, stiffness, freedom == "r", degree)
+                self.out.springs.append((label, form))
         else:
-            self._point_springs(support, selection, stiffness, what)
+            self._point_springs(letters, selection, stiffness, what)
 
-    def _point_springs(self, support: Any, selection: Selection, stiffness: Any, what: str) -> None:
+    def _point_springs(self, letters: str, selection: Selection, stiffness: Any, what: str) -> None:
         vertices = selection.members.astype(np.int64)
         k = stiffness(self.domain.points[vertices])
-        dofs = [0] if "z" in support.freedoms else []
-        if "r" in support.freedoms:
+        dofs = [0] if "z" in letters else []
+        if "r" in letters:
             if not self.rich:
                 raise InputError(
                     f"{what} on '{selection.label}': this element has no rotation at a point; use "
@@ -478,6 +478,28 @@ class _Builder:
             rows[np.arange(len(vertices)), corner * self.layout.per_vertex + dof] = 1.0
             form = PointSpring(self.layout.element, self.domain, triangles, rows, k)
             self.out.springs.append((selection.label, form))
+
+
+def _spring_letters(support: Elastic, what: str) -> str:
+    """Of springs those that a plate in bending feels: "z" and "r".
+
+    Raises
+    ------
+    InputError
+        If some lean out of the plane, so that bending and stretching are not apart.
+    """
+    letters = ""
+    for along in support.directions():
+        if isinstance(along, str):
+            letters += "r" if along == "r" else "z"
+        elif abs(along[2]) > 1.0 - UPRIGHT:
+            letters += "z"
+        elif abs(along[2]) > UPRIGHT:
+            raise InputError(
+                f"{what}: a spring along {place(along)} couples bending with motion in the plane, which a plate does "
+                'not have: set model = "shell"'
+            )
+    return letters
 
 
 def first_triangles(mesh: Mesh, vertices: Ints) -> tuple[Ints, Ints]:

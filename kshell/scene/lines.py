@@ -85,7 +85,8 @@ def inner_lines(structure: Structure) -> InnerLines:
 
 def _of_support(placed: Placed[Support], mesh: Mesh, inside: Flags, out: InnerLines) -> None:
     support, selection = placed.item, placed.place
-    turned, lifted = "r" in support.freedoms, "z" in support.freedoms
+    turned, lifted = "r" in support.freedoms, not set(support.freedoms).isdisjoint("zn")
+    lifted |= getattr(support, "axes", None) is not None
     if selection is None or selection.dimension == 0 or not (turned or lifted):
         return
     elastic = isinstance(support, Elastic)

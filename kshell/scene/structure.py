@@ -22,6 +22,7 @@ from kshell.scene.loads import Load
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point
 from kshell.scene.scene import Scene
+from kshell.scene.sense import contradictions
 from kshell.scene.supports import Support
 from kshell.values.time import at_time, depends_on_time
 
@@ -133,8 +134,8 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     Raises
     ------
     InputError
-        If a group does not exist or is of the wrong kind, a value is not finite at some vertex, or thickness and
-        layers do not fit.
+        If a group does not exist or is of the wrong kind, a value is not finite at some vertex, thickness and
+        layers do not fit, or supports and loads contradict each other.
     """
     space = mesh_in_space(scene.chart, mesh)
     # values inside come at quadrature points: without a look at vertices a pole on one would go unnoticed
@@ -143,6 +144,8 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     every: list[Placed[Any]] = [*supports, *loads]
     for placed in every:
         (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
+    for words in contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space):
+        raise InputError(words)
     return Structure(
         space,
         mesh,
@@ -169,13 +172,21 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
         shell_section(space, scene.thickness, scene.material, scene.layers)
     except InputError as error:
         yield str(error)
+    supports: list[Placed[Support]] = []
+    loads: list[Placed[Load]] = []
     for item in [*scene.supports, *scene.loads]:
         try:
-            found = _supports([item], space) if isinstance(item, Support) else [_load(item, space)]
+            if isinstance(item, Support):
+                found: list[Any] = list(_supports([item], space))
+                supports += found
+            else:
+                found = [_load(item, space)]
+                loads += found
             for placed in found:
                 (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
         except InputError as error:
             yield str(error)
+    yield from contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space)
 
 
 def _load(load: Any, space: Mesh) -> Placed[Load]:

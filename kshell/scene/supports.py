@@ -19,6 +19,7 @@ from kshell.values.validation import Flag, described
 from kshell.values.varying import is_constant, values_at
 
 FREEDOMS = "xyzr"
+SPRINGS = "xyzrn"  # of springs: n is the normal of the surface
 
 
 class Support:
@@ -150,25 +151,34 @@ class Fixed(Support):
         if self.axes is None:
             _require_matching_value(self.freedoms, self.value)
         else:
-            object.__setattr__(self, "axes", _checked_axes(self.axes))
+            object.__setattr__(self, "axes", _checked_axes(self.axes, "fixed"))
 
 
 @described("support elastic")
 class Elastic(Support):
     """Springs: stiffness per area on surfaces (Winkler), per length on curves, plain at points.
 
-    A rotation spring ("r") has stiffness moment per radian and length.
+    A rotation spring ("r") has stiffness moment per radian and length; "n" is along the normal of the surface.
+    `axes` are three vectors at right angles that x, y and z of the letters then mean.
     """
 
     kind: ClassVar[str] = "elastic"
     on: On
     stiffness: ScalarValue
     freedoms: str = "z"
+    axes: Any = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "elastic"))
+        object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "elastic", SPRINGS))
+        if self.axes is not None:
+            object.__setattr__(self, "axes", _checked_axes(self.axes, "elastic"))
         if is_constant(self.stiffness) and not self.stiffness > 0.0:
             raise InputError(f"support elastic: stiffness = {self.stiffness:g} must be > 0")
+
+    def directions(self) -> list[str | NDArray[np.float64]]:
+        """What its letters mean: "r", "n", or unit vectors (3,)."""
+        axes = np.eye(3) if self.axes is None else np.array(self.axes)
+        return [letter if letter in "rn" else axes["xyz".index(letter)] for letter in self.freedoms]
 
     def require_finite(self, points: ArrayLike) -> None:
         self.stiffness_at(points)
@@ -191,18 +201,18 @@ class Elastic(Support):
         return stiffness
 
 
-def checked_freedoms(freedoms: str, kind: str) -> str:
-    """The letters in the order x y z r, each once."""
-    wrong = [letter for letter in freedoms if letter not in FREEDOMS]
+def checked_freedoms(freedoms: str, kind: str, known: str = FREEDOMS) -> str:
+    """The letters in the order of the known ones, each once."""
+    wrong = [letter for letter in freedoms if letter not in known]
     if wrong or not freedoms or len(set(freedoms)) < len(freedoms):
         raise InputError(
-            f'support {kind}: freedoms "{freedoms}" must be different letters of "{FREEDOMS}" '
-            "(x y z translations, r rotation about the edge)"
+            f'support {kind}: freedoms "{freedoms}" must be different letters of "{known}" '
+            f"(x y z translations, r rotation about the edge{', n along the normal' if 'n' in known else ''})"
         )
-    return "".join(letter for letter in FREEDOMS if letter in freedoms)
+    return "".join(letter for letter in known if letter in freedoms)
 
 
-def _checked_axes(axes: Any) -> tuple[tuple[float, ...], ...]:
+def _checked_axes(axes: Any, kind: str) -> tuple[tuple[float, ...], ...]:
     """Three unit vectors at right angles, as given up to their lengths."""
     try:
         rows = np.array(axes, dtype=float)
@@ -210,13 +220,13 @@ def _checked_axes(axes: Any) -> tuple[tuple[float, ...], ...]:
         rows = np.zeros(0)
     if rows.shape != (3, 3) or not np.isfinite(rows).all() or not np.linalg.norm(rows, axis=1).all():
         raise InputError(
-            f"support fixed: axes = {shown(axes)}: must be three vectors, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
+            f"support {kind}: axes = {shown(axes)}: must be three vectors, [[1, 0, 0], [0, 1, 0], [0, 0, 1]]"
         )
     rows /= np.linalg.norm(rows, axis=1, keepdims=True)
     skew = np.abs(rows @ rows.T - np.eye(3)).max()
     if skew > 1e-6:
         raise InputError(
-            f"support fixed: axes are not at right angles to each other (cosine up to {skew:.2g}): "
+            f"support {kind}: axes are not at right angles to each other (cosine up to {skew:.2g}): "
             "give vectors that are"
         )
     return tuple(map(tuple, rows.tolist()))

@@ -56,7 +56,7 @@ KEYS = [
     "solve",
 ]
 LINE_KEYS = ["name", "from", "to", "n"]
-NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge)}
+NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, Elastic)}
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -264,6 +264,8 @@ def support_from_dict(data: dict[str, Any]) -> Any:
                 f"kind = {shown(kind)}: {hint}the kinds are {listing(NAMED_SUPPORTS)}; "
                 'for exact freedoms write fix = "xzr", for springs stiffness = 1e6'
             )
+        if kind == Elastic.kind:
+            return Elastic(**data)
         if exact:
             raise InputError(f'kind = "{kind}" and {exact[0]} given: leave one of them out')
         return NAMED_SUPPORTS[kind](**data)

@@ -131,8 +131,8 @@ class Discretisation(ABC):
         """(unknowns,) whose product with x is a component of the displacement at a reference point (2,)."""
 
     @abstractmethod
-    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> sp.csr_matrix:
-        """Stiffness of springs along an axis, or against the rotation about an edge.
+    def spring(self, chosen: Selection, along: str | Floats, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """Stiffness of springs along a unit vector (3,), the normal ("n"), or against the rotation about an edge ("r").
 
         Raises
         ------

@@ -127,8 +127,8 @@ class _Builder:
     @HANDLERS.of(Elastic)
     def _springs(self, support: Any, placed: Placed[Any]) -> None:
         chosen, what = self._where(support, placed)
-        for letter in support.freedoms:
-            spring = self.discretisation.spring(chosen, letter, support.stiffness_at, what)
+        for along in support.directions():
+            spring = self.discretisation.spring(chosen, along, support.stiffness_at, what)
             self.out.groups.append(HeldGroup(chosen.label, spring=spring))
 
     @HANDLERS.of(Symmetry)

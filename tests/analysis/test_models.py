@@ -30,7 +30,9 @@ def scene(**changes):
 
 def on_chart(**changes):
     held = [ks.Clamped("left", value=(0, 0, 0.01)), ks.Elastic("right", 3.0)]
-    return scene(**{"chart": ks.geometry.Cylinder(R=2.0), "supports": held, **changes})
+    corner = (2 * np.cos(1), 2 * np.sin(1), 0.0)
+    loads = [ks.PointForce(corner, load.value) if isinstance(load, ks.PointForce) else load for load in LOADS]
+    return scene(**{"chart": ks.geometry.Cylinder(R=2.0), "supports": held, "loads": loads, **changes})
 
 
 MODELS = {
@@ -186,9 +188,9 @@ def test_what_a_model_does_not_know_is_refused(model):
 
 
 def test_a_structure_is_resolved_once_and_serves_several_models():
-    one = scene(probes={"p": (0.5, 0.5, 0)}, supports=[ks.Clamped(["left", "right"])])
+    one = scene(probes={"p": (0.5, 0.5, 0)}, supports=[ks.Clamped(["left", "top"])])
     structure = resolve(one, one.read_mesh())
-    assert [placed.place.label for placed in structure.supports] == ["left", "right"]
+    assert [placed.place.label for placed in structure.supports] == ["left", "top"]
     assert len(structure.loads) == len(LOADS)
     kinds = [
         build_model(structure, one.solve.updated(model=kind, large_deflection=False)).kind

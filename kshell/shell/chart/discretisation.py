@@ -24,7 +24,7 @@ from kshell.shell.discretisation import Conditions, Discretisation
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
 from kshell.shell.limits import USE_KOITER
-from kshell.shell.scatter import scattered
+from kshell.shell.scatter import along_directions, scattered
 from kshell.shell.section import Section
 from kshell.shell.turning import require_curve, require_no_point
 from kshell.shell.vectors import AXES
@@ -161,33 +161,39 @@ class ArgyrisDiscretisation(Discretisation):
         row[3 * self.surface.scalar[triangle].astype(np.int64) + axis] = shape[0, 0, 0]
         return row
 
-    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> sp.csr_matrix:
-        """Stiffness of springs along an axis, or against the rotation about an edge.
+    def spring(self, chosen: Selection, along: str | Floats, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """Stiffness of springs along a unit vector, along the normal, or against the rotation about an edge.
 
         Raises
         ------
         InputError
             For rotation springs elsewhere than on curves.
         """
-        surface = self.surface
-        if letter == "r":
+        surface, members = self.surface, chosen.members
+        if isinstance(along, str) and along == "r":
             return self._rotation_spring(chosen, stiffness, what)
-        axis = AXES[letter]
+        normal = isinstance(along, str)
+        direction = np.zeros(3) if normal else np.asarray(along)
         if chosen.dimension == 0:
-            unknowns = 18 * chosen.members.astype(np.int64)[:, None] + axis
-            k = stiffness(self._vertices()[0][chosen.members])
-            return self._scatter(unknowns, k[:, None, None])
+            x, x_a, _ = (value[members] for value in self._vertices())
+            direction = _unit(np.cross(x_a[:, 0], x_a[:, 1]))[:, None] if normal else direction
+            blocks = along_directions(stiffness(x)[:, None], np.ones((1, 1)), direction)
+            return self._scatter(18 * members.astype(np.int64)[:, None] + np.arange(3), blocks)
         if chosen.dimension == 1:
             parts = []
-            for triangles, points, weights, shape in chart_loads.values_on_edges(surface, chosen.members):
-                weighted = (weights * stiffness(points))[..., None] * shape
-                blocks = np.matmul(shape.swapaxes(1, 2), weighted)
-                parts.append(self._scatter(3 * surface.scalar[triangles].astype(np.int64) + axis, blocks))
+            values, slopes = (f(surface, members) for f in (chart_loads.values_on_edges, chart_loads.slopes))
+            for (triangles, points, weights, shape), (_, _, _, n, _) in zip(values, slopes, strict=True):
+                here = np.moveaxis(n, 0, 2) if normal else direction
+                blocks = along_directions(weights * stiffness(points), shape, here)
+                parts.append(self._scatter(_components(surface.scalar[triangles]), blocks))
             return sum(parts[1:], parts[0])
-        points, weight = self.interior_points(chosen.members)
-        shape = surface.shape(surface.tables[:1], chosen.members)[0]
-        blocks = np.matmul(shape.swapaxes(1, 2), (weight * stiffness(points))[..., None] * shape)
-        return self._scatter(3 * surface.scalar[chosen.members].astype(np.int64) + axis, blocks)
+        points, weight = self.interior_points(members)
+        shape = surface.shape(surface.tables[:1], members)[0]
+        if normal:
+            x_1, x_2 = np.moveaxis(surface.first[:, :, members], 1, 3)
+            direction = _unit(np.cross(x_1, x_2))
+        blocks = along_directions(weight * stiffness(points), shape, direction)
+        return self._scatter(_components(surface.scalar[members]), blocks)
 
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         """The turn about an edge is n . du/dmu, mu the conormal."""
@@ -202,6 +208,16 @@ class ArgyrisDiscretisation(Discretisation):
 
     def _scatter(self, unknowns: NDArray[np.int64], blocks: Floats) -> sp.csr_matrix:
         return scattered(unknowns, blocks, self.unknowns)
+
+
+def _components(scalars: Ints) -> NDArray[np.int64]:
+    """(n, 3 k) unknowns of the components of scalar functions (n, k)."""
+    unknowns = 3 * scalars.astype(np.int64)[:, :, None] + np.arange(3)
+    return unknowns.reshape(len(scalars), -1)
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
 
 
 class ArgyrisConditions(Conditions):

@@ -22,7 +22,7 @@ from kshell.shell.initial import StressFree
 from kshell.shell.koiter import loads
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.initial import initial_strain
-from kshell.shell.koiter.loads import edge_table, surface_points
+from kshell.shell.koiter.loads import edge_normals, edge_table, surface_normals, surface_points
 from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.reactions import rotation_axes
 from kshell.shell.koiter.recovery import displacement, energies, resultants
@@ -31,10 +31,9 @@ from kshell.shell.koiter.surface import Surface
 from kshell.shell.koiter.topology import largest_curvature, smooth_patches
 from kshell.shell.reference import lagrange
 from kshell.shell.resultants import Resultants
-from kshell.shell.scatter import scattered
+from kshell.shell.scatter import along_directions, scattered
 from kshell.shell.section import Section
 from kshell.shell.turning import require_curve, require_no_point
-from kshell.shell.vectors import AXES
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -169,29 +168,33 @@ class KoiterDiscretisation(Discretisation):
         row[3 * nodes + axis] = lagrange(self.order, xi[None])[0]
         return row
 
-    def spring(self, chosen: Selection, letter: str, stiffness: OfPlace, what: str) -> sp.csr_matrix:
-        """Stiffness of springs along an axis, or against the rotation about an edge.
+    def spring(self, chosen: Selection, along: str | Floats, stiffness: OfPlace, what: str) -> sp.csr_matrix:
+        """Stiffness of springs along a unit vector, along the normal, or against the rotation about an edge.
 
         Raises
         ------
         InputError
             For rotation springs elsewhere than on curves.
         """
-        surface = self.surface
-        if letter == "r":
+        surface, members = self.surface, chosen.members
+        if isinstance(along, str) and along == "r":
             return self._rotation_spring(chosen, stiffness, what)
+        normal = isinstance(along, str)
+        direction = np.zeros(3) if normal else np.asarray(along)
         if chosen.dimension == 0:
-            nodes = chosen.members.astype(np.int64)
-            k = stiffness(surface.nodes[nodes])
-            return self._scatter(nodes[:, None], k[:, None, None], AXES[letter])
-        if chosen.dimension == 1:
-            nodes, shape, weight, points = edge_table(surface, chosen.members, surface.order + 1)
-            blocks = np.einsum("eq,eqi,eqj->eij", weight * stiffness(points), shape, shape)
-            return self._scatter(nodes, blocks, AXES[letter])
-        points, weight = self.interior_points(chosen.members)
-        shape = surface.reference.values
-        blocks = np.einsum("tq,qi,qj->tij", weight * stiffness(points), shape, shape)
-        return self._scatter(surface.triangle_nodes[chosen.members], blocks, AXES[letter])
+            nodes = members.astype(np.int64)[:, None]
+            shape, weight, points = np.ones((1, 1)), np.ones(nodes.shape), surface.nodes[nodes]
+            direction = surface.vertex_normals[members][:, None] if normal else direction
+        elif chosen.dimension == 1:
+            nodes, shape, weight, points = edge_table(surface, members, surface.order + 1)
+            direction = edge_normals(surface, members, surface.order + 1) if normal else direction
+        else:
+            points, weight = self.interior_points(members)
+            nodes, shape = surface.triangle_nodes[members], surface.reference.values
+            direction = surface_normals(surface, members) if normal else direction
+        blocks = along_directions(weight * stiffness(points), shape, direction)
+        unknowns = 3 * nodes.astype(np.int64)[:, :, None] + np.arange(3)
+        return scattered(unknowns.reshape(len(nodes), -1), blocks, self.unknowns)
 
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         require_curve(chosen, what)
@@ -203,9 +206,6 @@ class KoiterDiscretisation(Discretisation):
         diagonal = np.zeros(self.unknowns)
         np.add.at(diagonal, unknowns, weight * stiffness(points))
         return sp.diags(diagonal).tocsr()
-
-    def _scatter(self, nodes: Ints, blocks: Floats, axis: int) -> sp.csr_matrix:
-        return scattered(3 * nodes.astype(np.int64) + axis, blocks, self.unknowns)
 
 
 class KoiterConditions(Conditions):

@@ -122,6 +122,23 @@ def edge_table(surface: Surface, edges: ArrayLike, count: int) -> tuple[NDArray,
     return nodes, shape, length * weights[pick], np.einsum("epn,enx->epx", shape, x)
 
 
+def edge_normals(surface: Surface, edges: ArrayLike, count: int) -> Floats:
+    """(edge, point, 3) unit normals of the first triangle at each edge, at the points of `edge_table`."""
+    triangle, local = surface.mesh.edge_owner[np.atleast_1d(np.asarray(edges, dtype=np.int64))].T
+    points, _, _ = edge_quadrature(count)
+    pick = local[:, None] * count + np.arange(count)
+    x = surface.nodes[surface.triangle_nodes[triangle]]
+    x1, x2 = (d[pick] @ x for d in first_derivatives(surface.order, points))
+    normal = np.cross(x1, x2)
+    return np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
+
+
+def surface_normals(surface: Surface, triangles: ArrayLike) -> Floats:
+    """(triangle, point, 3) unit normals at the points of `surface_points`."""
+    normal = np.moveaxis(cross(*surface.tangents(surface.reference.first, triangles)), 0, 2)
+    return np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
+
+
 def line_force(surface: Surface, value: Value, edges: ArrayLike) -> Floats:
     """Force per length, a vector in space, along edges."""
     nodes, shape, weight, points = edge_table(surface, edges, surface.order + 1)
