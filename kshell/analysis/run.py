@@ -10,6 +10,7 @@ from kshell.analysis.clock import Clock, Stage
 from kshell.analysis.models import build_model
 from kshell.equilibrium.model import Model
 from kshell.mesh.mesh import Mesh
+from kshell.result.peaks import mark_peaks
 from kshell.result.result import Result
 from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
@@ -88,5 +89,6 @@ def described(
             *(f"mesh: {note}" for note in model.structure.parameters.notes),
         ],
     }
+    mark_peaks(result, model.structure)
     result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": run.clock.peak_memory_mb}
     return result

@@ -89,7 +89,7 @@ class ReactionFinder:
             totals[label] = totals[label] + self._rigid_work(load)
         corners = CornerForces(self.domain, self.reduction, self.supports, self.bending, loads, fields)
         groups = {label: self._document(label, total, corners) for label, total in totals.items()}
-        return Reactions(groups, self._balance(totals, loads))
+        return Reactions(groups, self._balance(totals, loads, d))
 
     def _shared(self, r: Floats) -> dict[int, dict[int, Floats]]:
         """Work (per_vertex,) that falls to each group, by its number, at vertices that several groups hold."""
@@ -232,12 +232,25 @@ class ReactionFinder:
             {"force": lambda: out["force"], "moment": lambda: out["moment"], "corners": concentrated}
         )
 
-    def _balance(self, totals: dict[str, Floats], loads: list[LinearForm]) -> float:
-        """Error of equilibrium of forces, and of moments about the centre, relative to what acts."""
+    def _balance(self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats) -> float:
+        """Error of equilibrium of forces, and of moments about the centre, relative to what acts.
+
+        Where no load acts, relative to the forces that would bend the plate by as much as it moves: one that is only
+        lifted has reactions of rounding.
+        """
         scale = np.array([1.0, 1.0 / self.size, 1.0 / self.size])
         parts = [load.resultant(self.centre) * scale for load in loads]
         parts += [total * scale for total in totals.values()]
         if not parts:
             return 0.0
-        largest = max(float(np.abs(parts).max()), *(load.gross(self.size) for load in loads), 1e-300)
+        gross = [load.gross(self.size) for load in loads] or [self._bending_force(d)]
+        largest = max(float(np.abs(parts).max()), *gross, 1e-300)
         return float(np.abs(np.sum(parts, axis=0)).max() / largest)
+
+    def _bending_force(self, d: Floats) -> float:
+        """D w / size^2 with the largest stiffness and deflection."""
+        mesh = self.domain.mesh
+        every, centres = np.arange(len(mesh.triangles)), self.domain.points[mesh.triangles].mean(axis=1)
+        deflection = d[: self.layout.per_vertex * len(mesh.points) : self.layout.per_vertex]
+        stiffness = np.abs(self.bending.at(every, centres[:, None])).max()
+        return float(stiffness * np.abs(deflection).max() / self.size**2)

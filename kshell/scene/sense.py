@@ -104,8 +104,9 @@ def _directions(supports: Sequence[Placed[Support]], turns: bool) -> Iterator[tu
     for letter, axis in zip("xyz", np.eye(3), strict=True):
         yield letter, axis
     for placed in supports:
-        if getattr(placed.item, "axes", None) is not None:
-            for letter, axis in zip("xyz", np.array(placed.item.axes), strict=True):
+        axes = getattr(placed.item, "axes", None)
+        if axes is not None:
+            for letter, axis in zip("xyz", np.array(axes), strict=True):
                 yield letter, axis
 
 

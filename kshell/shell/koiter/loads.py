@@ -135,7 +135,7 @@ def edge_normals(surface: Surface, edges: ArrayLike, count: int) -> Floats:
 
 def surface_normals(surface: Surface, triangles: ArrayLike) -> Floats:
     """(triangle, point, 3) unit normals at the points of `surface_points`."""
-    normal = np.moveaxis(cross(*surface.tangents(surface.reference.first, triangles)), 0, 2)
+    normal = np.moveaxis(cross(*surface.tangents(surface.reference.first, np.asarray(triangles))), 0, 2)
     return np.asarray(normal / np.linalg.norm(normal, axis=2, keepdims=True))
 
 

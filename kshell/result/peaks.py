@@ -1,0 +1,139 @@
+"""Places where stresses grow without bound as the mesh is refined, so that the largest stress is not taken from there.
+
+Under a point force, at a point that is held and where a support ends on a smooth edge, moments and forces per length of
+thin plates and shells are infinite (M. L. Williams, Proc. 1st US Nat. Congr. Appl. Mech. (1952) 325-329; under a point
+force like log r): what a mesh gives there is a number of the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.words import place
+from kshell.result.deferred import Deferred
+from kshell.result.result import Result
+from kshell.scene.loads import PointForce, PointMoment
+from kshell.scene.structure import Structure
+from kshell.scene.supports import Elastic
+
+Floats = NDArray[np.float64]
+
+# cosine of the angle by which a boundary may turn at the end of a support that is no corner
+SMOOTH = np.cos(np.radians(45.0))
+ROUNDING = 1e-7
+FACES = ("von_mises_top", "von_mises_middle", "von_mises_bottom")
+
+
+def peaks(structure: Structure) -> dict[int, str]:
+    """Vertices where stresses grow without bound, with what makes them."""
+    mesh, out = structure.space, {}
+    for vertex in _ends(structure).tolist():
+        out[vertex] = "the end of a support"
+    for support in structure.supports:
+        if support.place is not None and support.place.dimension == 0 and support.item.freedoms:
+            what = "spring" if isinstance(support.item, Elastic) else "support"
+            out |= dict.fromkeys(support.place.members.tolist(), f"a point {what}")
+    for load in structure.loads:
+        if not isinstance(load.item, PointForce | PointMoment) or load.place is None:
+            continue
+        if load.depends_on_time or np.any(load.item.at(load.vertices(mesh))):
+            words = "a point force" if isinstance(load.item, PointForce) else "a point moment"
+            out |= dict.fromkeys(load.place.members.tolist(), words)
+    return out
+
+
+def _ends(structure: Structure) -> NDArray[np.integer]:
+    """Vertices of a smooth boundary at which the edges on one side are held and those on the other are not."""
+    mesh = structure.space
+    held = np.zeros(len(mesh.edges), dtype=bool)
+    for support in structure.supports:
+        letters = set(support.item.freedoms) - {"r"}
+        if support.place is not None and letters and not isinstance(support.item, Elastic):
+            if support.place.dimension == 1:
+                held[support.place.members] = True
+            elif support.place.dimension == 2:
+                held[mesh.triangle_edges[support.place.members]] = True
+    boundary = mesh.boundary_edges
+    held = held[boundary]
+    if held.all() or not held.any():
+        return np.zeros(0, dtype=np.int64)
+    ends = mesh.edges[boundary]
+    vertex = ends.ravel()
+    count = np.bincount(vertex, minlength=len(mesh.points))
+    of_held = np.bincount(vertex, np.repeat(held, 2), len(mesh.points))
+    along = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    leaving = np.stack([along, -along], axis=1).reshape(-1, 3)
+    total = np.stack([np.bincount(vertex, leaving[:, k], len(mesh.points)) for k in range(3)], axis=1)
+    # two unit vectors that leave a vertex: |a + b|^2 = 2 + 2 a.b, and a.b = -1 where it does not turn
+    turns = (total**2).sum(axis=1) > 2.0 - 2.0 * SMOOTH
+    return np.flatnonzero((count == 2) & (of_held == 1) & ~turns)
+
+
+def mark_peaks(result: Result, structure: Structure) -> None:
+    """Take the largest stress of a result away from peaks, and say so where it was one.
+
+    `extremes["von_mises"]` gets the entry "peak", None or {"value", "at", "why"}; its value is then the largest
+    farther from all of them than the thickness and two triangles.
+    """
+    found = peaks(structure)
+    if "von_mises" not in result.extremes:
+        return
+    if not found:  # nothing is computed that nobody looks at
+        known = result.extremes
+        makers = {key: partial(known.__getitem__, key) for key in known}
+        result.extremes = Deferred({**makers, "von_mises": lambda: {**known["von_mises"], "peak": None}})
+        return
+    stress = np.max([np.ravel(values) for values in _stresses(result)], axis=0)
+    points, near = result.mesh.points, np.zeros(len(stress), dtype=bool)
+    worst = int(np.argmax(stress))
+    why, radius = "", 0.0
+    for vertex, reach in zip(found, _reach(structure, list(found)), strict=True):
+        distance = np.linalg.norm(points - points[vertex], axis=1)
+        near |= distance <= reach
+        if distance[worst] <= reach and not why:
+            why, radius = f"{found[vertex]} at {place(points[vertex])}", reach
+    entry: dict[str, Any] = {**result.extremes["von_mises"], "peak": None}
+    if why and not near.all() and entry["value"] > _rounding(result, structure):
+        peak = {key: entry[key] for key in ("value", "at")}
+        beyond = int(np.argmax(np.where(near, -np.inf, stress)))
+        entry |= {"value": float(stress[beyond]), "at": points[beyond].tolist(), "peak": {**peak, "why": why}}
+        result.warnings.append(
+            f"stresses grow without bound at {why} as the mesh is refined: {peak['value']:.4g} there is a number of "
+            f"the mesh; farther than {radius:.3g} from such places the largest is {entry['value']:.4g}"
+        )
+    result.extremes["von_mises"] = entry
+
+
+def _rounding(result: Result, structure: Structure) -> float:
+    """A stress that is nothing but rounding beside Q t u / size^2, that of bending by all of the displacement u."""
+    thickness = np.asarray(result.cell_fields["thickness"]).max()
+    moved = np.linalg.norm(result.fields["displacement"], axis=1).max()
+    stiffness = np.abs(structure.section.moduli).max()
+    return float(ROUNDING * stiffness * thickness * moved / structure.space.size**2)
+
+
+def _stresses(result: Result) -> Iterator[Floats]:
+    for name in FACES:
+        if name in result.fields:
+            yield result.fields[name]
+
+
+def _reach(structure: Structure, vertices: list[int]) -> list[float]:
+    """How far each peak reaches: the thickness, or the two triangles next to it."""
+    mesh: Mesh = structure.space
+    every = np.arange(len(mesh.triangles))
+    centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
+    thickness = structure.section.thickness(every, centres)[:, 0]
+    out = []
+    for vertex in vertices:
+        around = np.flatnonzero((mesh.triangles == vertex).any(axis=1))
+        longest = float(mesh.edge_lengths[mesh.triangle_edges[around]].max())
+        out.append(max(float(thickness[around].max()), 2.0 * longest))
+    return out
