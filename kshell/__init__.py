@@ -13,6 +13,7 @@ from kshell.version import __version__
 
 if TYPE_CHECKING:
     from kshell.analysis.solve import buckling, modes, simulate, solve, trace
+    from kshell.analysis.sweep import sweep
     from kshell.material.laminate import Layer
     from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
     from kshell.mesh import Mesh
@@ -81,6 +82,7 @@ __all__ = [
     "simulate",
     "slit",
     "solve",
+    "sweep",
     "trace",
 ]
 
@@ -120,6 +122,7 @@ _LAZY = {
     **dict.fromkeys(("Damping", "InitialVelocity"), "kshell.scene.motion"),
     "modes": "kshell.analysis.solve",
     "buckling": "kshell.analysis.solve",
+    "sweep": "kshell.analysis.sweep",
     "mac": "kshell.result.mac",
 }
 

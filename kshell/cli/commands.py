@@ -1,4 +1,4 @@
-"""The command line: `kshell solve`, `modes`, `buckling`, `trace`, `simulate`, `check`, `verify`.
+"""The command line: `kshell solve`, `modes`, `buckling`, `trace`, `simulate`, `check`, `sweep`, `diff`, `verify`.
 
 Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
 traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
@@ -24,13 +24,12 @@ if TYPE_CHECKING:
     from kshell.scene.scene import Scene
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-COMMANDS = ("solve", "modes", "buckling", "trace", "simulate", "check", "verify")
+COMMANDS = ("solve", "modes", "buckling", "trace", "simulate", "check", "sweep", "diff", "verify")
 INTERRUPTED = 130
 
 app = typer.Typer(
     name="kshell",
     help="Finite elements for thin plates and shells: a gmsh mesh goes in, a checked answer comes out.",
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
@@ -66,6 +65,9 @@ AllowSystem = Annotated[
     typer.Option(
         "--allow-system", help="Let geometry files run programs and write files, as gmsh's language can."
     ),
+]
+Log = Annotated[
+    Path | None, typer.Option("--log", metavar="FILE", help="Append what is done, with times, to FILE.")
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
 
@@ -147,6 +149,7 @@ def solve(
         str | None, typer.Option(metavar="auto|N", help="First guess of the load steps.")
     ] = None,
     allow_system: AllowSystem = False,
+    log: Log = None,
     debug: Debug = False,
 ) -> None:
     """Solve a scene file, or a mesh file described by options."""
@@ -172,7 +175,7 @@ def solve(
     options = {key: value for key, value in given.items() if value is not None}
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     try:
-        result = _solve(scene, options, allow_system)
+        result = _solve(scene, options, allow_system, log)
     except (SolveError, Interrupted) as error:
         _save_last(error.state, folder, plot, json)
         raise
@@ -204,10 +207,11 @@ def trace(
     plot: Pictures = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
+    log: Log = None,
     debug: Debug = False,
 ) -> None:
     """Follow large deflections while the loads grow from zero to their full size."""
-    _in_steps("trace", source, output, resume, json, plot, set_, allow_system)
+    _in_steps("trace", source, output, resume, json, plot, set_, allow_system, log)
 
 
 @app.command()
@@ -228,10 +232,11 @@ def simulate(
     plot: Pictures = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
+    log: Log = None,
     debug: Debug = False,
 ) -> None:
     """Motion in time, under loads and prescribed motions that may depend on t."""
-    _in_steps("simulate", source, output, resume, json, plot, set_, allow_system)
+    _in_steps("simulate", source, output, resume, json, plot, set_, allow_system, log)
 
 
 def _in_steps(
@@ -243,6 +248,7 @@ def _in_steps(
     plot: bool,
     set_: list[str] | None,
     allow_system: bool,
+    log: Path | None,
 ) -> None:
     if not is_scene(source):
         raise InputError(f"{source}: {command} needs a scene file, .toml")
@@ -252,7 +258,9 @@ def _in_steps(
     if resume and folder is None:
         raise InputError("--resume needs -o DIR, the folder of what is to go on")
     try:
-        result = _stepped(command, scene, None if folder is None else folder / "steps", resume, allow_system)
+        result = _stepped(
+            command, scene, None if folder is None else folder / "steps", resume, allow_system, log
+        )
     except (SolveError, Interrupted) as error:
         _save_last(error.state, folder, plot, json)
         raise
@@ -275,6 +283,7 @@ def modes(
     plot: Pictures = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
+    log: Log = None,
     count: Count = None,
     range_: Annotated[
         str | None, typer.Option("--range", metavar="F1,F2", help="All between two frequencies instead.")
@@ -291,7 +300,7 @@ def modes(
     options: dict[str, Any] = {"count": count, "tolerance": tolerance, "prestress": prestress or None}
     if range_ is not None:
         options["range"] = _frequencies(range_)
-    _eigen(source, "modes", options, output, json, plot, set_, allow_system)
+    _eigen(source, "modes", options, output, json, plot, set_, allow_system, log)
 
 
 @app.command()
@@ -302,11 +311,12 @@ def buckling(
     plot: Pictures = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
+    log: Log = None,
     count: Count = None,
     debug: Debug = False,
 ) -> None:
     """Factors by which the loads may grow before the structure buckles, by linear theory."""
-    _eigen(source, "buckling", {"count": count}, output, json, plot, set_, allow_system)
+    _eigen(source, "buckling", {"count": count}, output, json, plot, set_, allow_system, log)
 
 
 def _frequencies(text: str) -> tuple[float, ...]:
@@ -325,13 +335,14 @@ def _eigen(
     plot: bool,
     set_: list[str] | None,
     allow_system: bool,
+    log: Path | None,
 ) -> None:
     if not is_scene(source):
         raise InputError(f"{source}: {analysis} needs a scene file, .toml")
     begin = time.perf_counter()
     scene = scene_of(source, {}, set_ or [])
     given = {key: value for key, value in options.items() if value is not None}
-    result = _solve(scene, {**given, "analysis": analysis}, allow_system)
+    result = _solve(scene, {**given, "analysis": analysis}, allow_system, log)
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     written = [] if folder is None else result.save(folder, plots=plot)
     written += _write_json(result, json)
@@ -367,6 +378,65 @@ def check(
 
 
 @app.command()
+def sweep(
+    source: SceneOnly,
+    set_: Annotated[
+        list[str],
+        typer.Option(
+            "--set",
+            metavar="KEY=A..B:N|A,B",
+            help="Values of a key of the scene file: N from A to B, or a list. Repeatable: all combinations.",
+        ),
+    ],
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the rows here.")] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", metavar="N", help="Processes; one per core if absent.")
+    ] = None,
+    allow_system: AllowSystem = False,
+    log: Log = None,
+    debug: Debug = False,
+) -> None:
+    """Solve a scene for all combinations of values of its parameters."""
+    from kshell.analysis.sweep import sweep as sweep_scene
+    from kshell.cli.progress import Progress
+    from kshell.cli.scene_options import parameters_of
+    from kshell.cli.terminal import print_sweep
+
+    if not is_scene(source):
+        raise InputError(f"{source}: sweep needs a scene file, .toml")
+    scene = scene_of(source, {}, [])
+    with Progress(log).shown() as progress:
+        rows = sweep_scene(
+            scene, parameters_of(set_), workers=workers, progress=progress, allow_system=allow_system
+        )
+    print_sweep(rows, [] if csv is None else [rows.save(csv)])
+    if all(row["error"] for row in rows):
+        raise SolveError("no point of the sweep has an answer: the reasons stand in its rows")
+
+
+@app.command()
+def diff(
+    first: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.")],
+    second: Annotated[Path, typer.Argument(metavar="DIR", help="Another.")],
+    tolerance: Annotated[
+        float | None, typer.Option(help="Exit with 1 if a relative difference is larger.")
+    ] = None,
+    debug: Debug = False,
+) -> None:
+    """Say what differs between two results."""
+    from kshell.cli.terminal import print_differences
+    from kshell.result.compare import differences
+    from kshell.result.result import Result
+
+    if tolerance is not None and not tolerance >= 0.0:
+        raise InputError(f"--tolerance {tolerance:g}: must not be negative")
+    found = differences(Result.load(first), Result.load(second))
+    print_differences(found, str(first), str(second))
+    if tolerance is not None and found and found[0].relative > tolerance:
+        raise typer.Exit(1)
+
+
+@app.command()
 def verify(
     quick: Annotated[bool, typer.Option("--quick", help="Each case once with each element.")] = False,
     out: Annotated[
@@ -381,26 +451,33 @@ def verify(
         raise typer.Exit(1)
 
 
-def _solve(scene: Scene, options: dict[str, Any], allow_system: bool) -> Result:
+def _solve(scene: Scene, options: dict[str, Any], allow_system: bool, log: Path | None = None) -> Result:
     import warnings
 
     from kshell.analysis.solve import solve as solve_scene
-    from kshell.cli.terminal import Progress
+    from kshell.cli.progress import Progress
 
-    with warnings.catch_warnings(), Progress().shown() as progress:
+    with warnings.catch_warnings(), Progress(log).shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
         warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
         return solve_scene(scene, progress=progress, allow_system=allow_system, **options)
 
 
-def _stepped(command: str, scene: Scene, folder: Path | None, resume: bool, allow_system: bool) -> Result:
+def _stepped(
+    command: str,
+    scene: Scene,
+    folder: Path | None,
+    resume: bool,
+    allow_system: bool,
+    log: Path | None = None,
+) -> Result:
     import warnings
 
     from kshell.analysis import solve
-    from kshell.cli.terminal import Progress
+    from kshell.cli.progress import Progress
 
     follow = {"trace": solve.trace, "simulate": solve.simulate}[command]
-    with warnings.catch_warnings(), Progress().shown() as progress:
+    with warnings.catch_warnings(), Progress(log).shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
         warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
         return follow(scene, folder=folder, resume=resume, progress=progress, allow_system=allow_system)

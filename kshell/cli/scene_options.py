@@ -87,3 +87,45 @@ def number(text: str | None) -> int | str | None:
 def flag(text: str | None) -> bool | str | None:
     """true and false as such, other text as it is."""
     return {"true": True, "false": False}.get(text, text) if text is not None else None
+
+
+def parameters_of(settings: Sequence[str]) -> dict[str, list[Any]]:
+    """Values of a sweep from "key=a..b:n" (n values from a to b) and "key=a,b,c".
+
+    Raises
+    ------
+    InputError
+        If one is neither, or a key is given twice.
+    """
+    from kshell.scene.toml import value_of
+
+    out: dict[str, list[Any]] = {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        key, text = key.strip(), text.strip()
+        if not equals or not all(key.split(".")) or not text:
+            raise InputError(
+                f'--set {setting}: write KEY=A..B:N or KEY=A,B, such as "thickness=0.008..0.016:5"'
+            )
+        if key in out:
+            raise InputError(f"--set {setting}: {key} is given twice: give all its values at once")
+        if ".." in text and not text.startswith(('"', "'", "[")):
+            out[key] = _evenly(setting, text)
+            continue
+        listed = value_of(f"[{text}]")
+        out[key] = listed if isinstance(listed, list) else [value_of(part) for part in text.split(",")]
+    return out
+
+
+def _evenly(setting: str, text: str) -> list[float]:
+    ends, _, count = text.partition(":")
+    first, _, last = ends.partition("..")
+    try:
+        a, b, n = float(first), float(last), int(count)
+    except ValueError:
+        a, b, n = 0.0, float("inf"), 0
+    if not (abs(a) < float("inf") and abs(b) < float("inf") and n >= 2):
+        raise InputError(
+            f"--set {setting}: write A..B:N with two numbers and how many, at least 2, such as 0.008..0.016:5"
+        )
+    return [a + (b - a) * k / (n - 1) for k in range(n)]

@@ -1,153 +1,188 @@
-"""What the command line prints: tables of results and checks, and progress."""
+"""What the command line prints: tables of results and checks."""
 
 from __future__ import annotations
 
-import sys
-import threading
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.table import Table
+from rich.markup import escape as _escaped
 
+from kshell.cli.tables import components, console, number, table
 from kshell.mesh.words import place
 
 if TYPE_CHECKING:
-    from rich.status import Status
-
     from kshell.analysis.check import Findings
+    from kshell.analysis.sweep import Sweep
     from kshell.mesh.quality import Quality, Summary
+    from kshell.result.compare import Difference
     from kshell.result.result import Result
 
-PATIENCE = 1.0  # seconds before progress is shown
-
-
-class Progress:
-    """Names the stage on stderr, once a solve takes longer than about a second and someone watches."""
-
-    def __init__(self) -> None:
-        self.stage = "read"
-        self._status: Status | None = None
-        self._lock = threading.Lock()
-
-    def __call__(self, stage: str) -> None:
-        with self._lock:
-            self.stage = stage
-            if self._status is not None:
-                self._status.update(self._words())
-
-    def _words(self) -> str:
-        return f"kshell: {self.stage}"
-
-    def _show(self) -> None:
-        with self._lock:
-            self._status = Console(stderr=True).status(self._words())
-            self._status.start()
-
-    @contextmanager
-    def shown(self) -> Iterator[Progress]:
-        """Show while the block runs."""
-        timer = threading.Timer(PATIENCE, self._show)
-        timer.daemon = True
-        if sys.stderr.isatty():
-            timer.start()
-        try:
-            yield self
-        finally:
-            timer.cancel()
-            with self._lock:
-                if self._status is not None:
-                    self._status.stop()
+# quantities at a probe: what they are called in the table
+AT_PROBES = {
+    "x": "at",
+    "u": "displacement",
+    "rotation": "rotation",
+    "N": "N",
+    "M": "M",
+    "stress_top": "stress top",
+    "stress_middle": "stress middle",
+    "stress_bottom": "stress bottom",
+}
+DIRECTIONS = ["x, xx", "y, yy", "z, xy"]
+MOST_DIFFERENCES = 40
 
 
 def print_result(result: Result, written: Iterable[str], seconds: float) -> None:
     """The answer for people: probes, extremes, reactions, energies, warnings, and where files are."""
-    console = _console()
-    console.print(f"[bold]{_escaped(result.title or 'kshell')}[/bold]")
+    out = console()
+    out.print(f"[bold]{_escaped(result.title or 'kshell')}[/bold]")
     mesh = result.mesh
     shell = result.model["kind"] == "shell"
     order = f" of order {result.model['order']}" if result.model["element"] in ("koiter", "hhj") else ""
-    console.print(
+    out.print(
         f"{result.model['kind']}, element {result.model['element']}{order}: {len(mesh.points)} vertices, "
         f"{len(mesh.triangles)} triangles, {result.unknowns} unknowns"
     )
     for reason in result.model["reasons"]:
-        console.print(f"  {_escaped(reason)}")
+        out.print(f"  {_escaped(reason)}")
     if result.eigen:
-        _print_modes(console, result)
+        _print_modes(out, result)
+    if result.cases:
+        _print_cases(out, result)
+    heading = f', case "{result.case}"' if result.case else ""
     if result.probes:
-        moved = (lambda u: _vector(u)) if shell else (lambda u: _number(u[2]))
-        rows = [
-            [name, _vector(p["x"]), moved(p["u"])]
-            + ([_vector(p["N"])] if shell else [])
-            + [_vector(p["M"]), _vector(p["stress_top"])]
-            for name, p in result.probes.items()
-        ]
-        heads = [
-            "probe",
-            "at",
-            "displacement" if shell else "deflection w",
-            *(["N xx, yy, xy"] if shell else []),
-        ]
-        heads += ["M xx, yy, xy", "stress top xx, yy, xy"]
-        console.print(_table(heads, rows, f"Probes (frame: {result.frame})"))
+        rows = [row for name, values in result.probes.items() for row in _probe_rows(name, values, shell)]
+        out.print(table(["probe", "", *DIRECTIONS], rows, f"Probes{heading} (frame: {result.frame})", 3))
     if result.path:
         states = "state" if len(result.path) == 1 else "states"
-        console.print(
-            f"path: {len(result.path)} {states}, up to the load factor {_number(result.path[-1]['factor'])}"
+        out.print(
+            f"path: {len(result.path)} {states}, up to the load factor {number(result.path[-1]['factor'])}"
         )
     if result.history:
-        _print_history(console, result)
+        _print_history(out, result)
     for point in result.critical:
-        console.print(f"  {point['kind']} point at the load factor {_number(point['factor'])}")
+        out.print(f"  {point['kind']} point at the load factor {number(point['factor'])}")
     if result.extremes:
-        extremes = [
-            [name.replace("_", " "), _number(e["value"]), place(e["at"])]
-            for name, e in result.extremes.items()
-        ]
-        console.print(_table(["largest", "value", "at"], extremes, "Extremes"))
+        _print_extremes(out, result.extremes, f"Extremes{heading}")
     if result.reactions:
-        reactions = [
-            [name, _vector(r["force"]), _vector(r["moment"])] for name, r in result.reactions.items()
-        ]
-        heads = ["support", "force", "moment about the origin"]
-        console.print(_table(heads, reactions, f"Reactions on the {result.model['kind']}"))
+        rows = []
+        for name, reaction in result.reactions.items():
+            rows.append([name, "force", *components(reaction["force"])])
+            rows.append(["", "moment about the origin", *components(reaction["moment"])])
+        heads = ["support", "", "x", "y", "z"]
+        out.print(table(heads, rows, f"Reactions on the {result.model['kind']}{heading}", 3))
     if result.response:
-        _print_response(console, result)
+        _print_response(out, result)
     if not (result.eigen or result.response or result.history):
-        _print_balance(console, result)
-    _print_warnings(console, result.warnings)
+        _print_balance(out, result)
+    _print_warnings(out, result.warnings)
     stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())
-    console.print(f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({stages})")
+    out.print(f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({stages})")
     files = list(written)
     for path in _listed(files):
-        console.print(f"written: {_escaped(path)}")
+        out.print(f"written: {_escaped(path)}")
     if not files:
-        console.print("nothing written: -o DIR writes result.json and result.vtu")
+        out.print("nothing written: -o DIR writes result.json and result.vtu")
 
 
-def _print_history(console: Console, result: Result) -> None:
+def _probe_rows(name: str, values: Mapping[str, Any], shell: bool) -> Iterable[list[str]]:
+    """One row for each quantity: the first with the name of the probe."""
+    first = name
+    for key, words in AT_PROBES.items():
+        if key in values and (shell or key not in ("N", "stress_middle")):
+            what = "deflection" if key == "u" and not shell else words
+            yield [first, what, *components(values[key])]
+            first = ""
+
+
+def _print_extremes(out: Console, extremes: Mapping[str, Mapping[str, Any]], title: str) -> None:
+    """The largest values with place, and with face, group and case where they are known."""
+    rows = []
+    for name, extreme in extremes.items():
+        where = [place(extreme["at"])]
+        where += [f'{key} "{extreme[key]}"' for key in ("face", "group", "case") if extreme.get(key)]
+        rows.append([name.replace("_", " "), ", ".join(where), number(extreme["value"])])
+    out.print(table(["largest", "at", "value"], rows, title, 1))
+
+
+def _print_cases(out: Console, result: Result) -> None:
+    """What each case leads to, and the largest of all."""
+    names = [name for name in ("deflection", "von_mises", "utilisation") if name in result.extremes]
+    rows = []
+    for name, case in result.cases.items():
+        added = result.combinations.get(name, {})
+        made = " + ".join(f"{factor:g} {part}" for part, factor in added.items()).replace("+ -", "- ")
+        known = [number(case.extremes[key]["value"]) if key in case.extremes else "" for key in names]
+        rows.append([name, made, *known])
+    heads = ["case", "combination of", *(f"largest {key.replace('_', ' ')}" for key in names)]
+    out.print(table(heads, rows, "Load cases", len(names)))
+    _print_extremes(out, result.envelope.extremes, "Envelope")
+
+
+def print_sweep(rows: Sweep, written: Iterable[str]) -> None:
+    """Parameters and largest values of every point, and the reasons of those without an answer."""
+    out = console()
+    numbers = ("deflection", "von_mises", "frequency_1", "factor_1")
+    shown = [name for name in rows.columns if name in numbers]
+    given = rows.parameters + (["case"] if "case" in rows.columns else [])
+    body = [
+        [
+            *(_side(row.get(name, "")) for name in given),
+            row["error"],
+            *(number(row[name]) if row.get(name) is not None else "" for name in shown),
+        ]
+        for row in rows
+    ]
+    out.print(table([*given, "no answer", *shown], body, f"Sweep, {len(rows)} rows", len(shown)))
+    for path in written:
+        out.print(f"written: {_escaped(path)}")
+
+
+def print_differences(found: Sequence[Difference], first: str, second: str) -> None:
+    """The largest differences of two results."""
+    out = console()
+    if not found:
+        out.print(f"no differences between {_escaped(first)} and {_escaped(second)}")
+        return
+    rows = []
+    for difference in found[:MOST_DIFFERENCES]:
+        share = "-" if difference.relative == float("inf") else f"{difference.relative:.2e}"
+        rows.append([difference.what, _side(difference.first), _side(difference.second), share])
+    out.print(table(["what", first, second, "relative"], rows, f"{len(found)} differences", 1))
+    if len(found) > MOST_DIFFERENCES:
+        out.print(f"{len(found) - MOST_DIFFERENCES} smaller ones are not shown")
+
+
+def _side(value: Any) -> str:
+    if value is None:
+        return "missing"
+    if isinstance(value, list):
+        return "\n".join(_side(part) for part in value)
+    return number(value) if isinstance(value, int | float) else str(value)
+
+
+def _print_history(out: Console, result: Result) -> None:
     history = result.history
     steps = len(history["time"]) - 1
-    console.print(
-        f"motion: {steps} steps up to t = {_number(history['time'][-1])}, {history['iterations'].sum()} iterations; "
+    out.print(
+        f"motion: {steps} steps up to t = {number(history['time'][-1])}, {history['iterations'].sum()} iterations; "
         f"momentum and impulse differ by {result.balance:.1e} of their size"
     )
     rows = []
     for name, values in history["probes"].items():
         size = (values["u"] ** 2).sum(axis=1)
         row = int(size.argmax())
-        rows.append([name, _vector(values["u"][row]), _number(history["time"][row])])
+        rows.append([name, *components(values["u"][row]), number(history["time"][row])])
     if rows:
-        console.print(_table(["probe", "largest displacement", "at t"], rows, "On the way"))
+        out.print(table(["probe", "x", "y", "z", "at t"], rows, "Largest displacements", 4))
     names = ("kinetic_energy", "strain_energy", "external_work", "dissipated_energy")
     energies = [
-        [name.replace("_", " "), _number(history[name][-1]), _number(abs(history[name]).max())]
+        [name.replace("_", " "), number(history[name][-1]), number(abs(history[name]).max())]
         for name in names
     ]
-    console.print(_table(["energy", "at the end", "largest"], energies, "Energies"))
+    out.print(table(["energy", "at the end", "largest"], energies, "Energies", 2))
 
 
 def _listed(files: Sequence[str]) -> list[str]:
@@ -161,15 +196,15 @@ def _listed(files: Sequence[str]) -> list[str]:
     return rest
 
 
-def _print_modes(console: Console, result: Result) -> None:
+def _print_modes(out: Console, result: Result) -> None:
     """Frequencies or factors with their intervals, and effective masses in per cent of the whole."""
     buckling = result.analysis == "buckling"
     total = result.modal.get("total_mass", [0.0] * 6)
     rows = []
-    for number, entry in enumerate(result.eigen, 1):
+    for place_of, entry in enumerate(result.eigen, 1):
         what = entry["value"] if buckling else entry["frequency"]
         words = entry.get("name") or ("unstable" if what is None else f"{what:.7g}")
-        row = [str(number), words, _interval(entry, buckling)]
+        row = [str(place_of), words, _interval(entry, buckling)]
         if not buckling:
             row += [_share(m, t) for m, t in zip(entry["effective_mass"], total, strict=True)]
         rows.append(row)
@@ -180,10 +215,10 @@ def _print_modes(console: Console, result: Result) -> None:
         together = result.modal["effective_mass"]
         rows.append(["", "all", "", *(_share(m, t) for m, t in zip(together, total, strict=True))])
     title = "Load factors" if buckling else "Frequencies, effective masses in %"
-    console.print(_table(heads, rows, title))
+    out.print(table(heads, rows, title, len(heads)))
 
 
-def _print_response(console: Console, result: Result) -> None:
+def _print_response(out: Console, result: Result) -> None:
     """The largest amplitude of each probe, with its frequency."""
     frequency, rows = result.response["frequency"], []
     for name, probe in result.response["probes"].items():
@@ -192,10 +227,10 @@ def _print_response(console: Console, result: Result) -> None:
             for real, imag in zip(probe["u"]["real"], probe["u"]["imag"], strict=True)
         ]
         peak = max(range(len(size)), key=size.__getitem__)
-        rows.append([name, _number(size[0]), _number(size[peak]), f"{frequency[peak]:.6g}"])
+        rows.append([name, number(size[0]), number(size[peak]), f"{frequency[peak]:.6g}"])
     heads = ["probe", f"amplitude at {frequency[0]:.4g} Hz", "largest", "Hz"]
     title = f"Response from {frequency[0]:.4g} to {frequency[-1]:.4g} Hz"
-    console.print(_table(heads, rows, title))
+    out.print(table(heads, rows, title, 3))
 
 
 def _share(part: float, total: float) -> str:
@@ -214,34 +249,34 @@ def _interval(entry: dict[str, Any], buckling: bool) -> str:
     return f"-{abs(value - lower) / size:.0e} +{abs(upper - value) / size:.0e} {mark}"
 
 
-def _print_balance(console: Console, result: Result) -> None:
-    console.print(
+def _print_balance(out: Console, result: Result) -> None:
+    out.print(
         f"equilibrium: loads and reactions differ by {result.balance:.1e} of their size; "
-        f"strain energy {_number(result.strain_energy)}"
-        + "".join(f", {name} {_number(part)}" for name, part in result.energies.items())
+        f"strain energy {number(result.strain_energy)}"
+        + "".join(f", {name} {number(part)}" for name, part in result.energies.items())
     )
 
 
 def print_findings(found: Findings) -> None:
     """What a check found, except the problems."""
-    console = _console()
-    _print_summary(console, found.summary)
-    _print_quality(console, found.quality)
+    out = console()
+    _print_summary(out, found.summary)
+    _print_quality(out, found.quality)
     if found.model:
-        console.print("[bold]What would be solved[/bold]")
+        out.print("[bold]What would be solved[/bold]")
         for words in found.model:
-            console.print(f"  {_escaped(words)}")
-    _print_warnings(console, found.warnings)
+            out.print(f"  {_escaped(words)}")
+    _print_warnings(out, found.warnings)
     if not found.problems:
-        console.print("[green]nothing found that would stop a solve[/green]")
+        out.print("[green]nothing found that would stop a solve[/green]")
 
 
-def _print_summary(console: Console, summary: Summary) -> None:
-    console.print(
+def _print_summary(out: Console, summary: Summary) -> None:
+    out.print(
         f"[bold]{_escaped(summary.source)}[/bold]: order {summary.order}, {summary.vertices} vertices, "
         f"{summary.edges} edges, {summary.triangles} triangles"
     )
-    console.print(
+    out.print(
         f"from {place(summary.lower)} to {place(summary.upper)}, area {summary.area:.6g}, "
         f"boundary {summary.boundary_length:.6g} long"
     )
@@ -250,46 +285,19 @@ def _print_summary(console: Console, summary: Summary) -> None:
         [g.name, g.kind, str(g.members), f"{unit[g.kind]} {g.measure:.6g}" if unit[g.kind] else ""]
         for g in summary.groups
     ]
-    console.print(_table(["group", "kind", "members", "size"], rows, "Groups") if rows else "no groups")
+    out.print(table(["group", "kind", "members", "size"], rows, "Groups", 2) if rows else "no groups")
 
 
-def _print_quality(console: Console, worst: Quality) -> None:
+def _print_quality(out: Console, worst: Quality) -> None:
     rows = [
         ["smallest angle", f"{worst.min_angle:.3g} degrees", place(worst.min_angle_at)],
         ["largest aspect ratio", f"{worst.max_aspect:.3g}", place(worst.max_aspect_at)],
         ["shortest edge", f"{worst.shortest_edge:.4g}", place(worst.shortest_edge_at)],
         ["longest edge", f"{worst.longest_edge:.4g}", place(worst.longest_edge_at)],
     ]
-    console.print(_table(["quality", "worst", "at"], rows, "Triangles"))
+    out.print(table(["quality", "worst", "at"], rows, "Triangles"))
 
 
-def _print_warnings(console: Console, warnings: Iterable[str]) -> None:
+def _print_warnings(out: Console, warnings: Iterable[str]) -> None:
     for words in warnings:
-        console.print(f"[yellow]warning:[/yellow] {_escaped(words)}")
-
-
-def _console() -> Console:
-    """Tables go to stdout; into a pipe or file they are not cut to a terminal's width."""
-    return Console(highlight=False, width=None if sys.stdout.isatty() else 140)
-
-
-def _table(heads: Sequence[str], rows: Iterable[Sequence[str]], title: str) -> Table:
-    table = Table(*heads, title=title, title_justify="left", title_style="bold")
-    for row in rows:
-        table.add_row(*map(_escaped, row))
-    return table
-
-
-def _escaped(text: str) -> str:
-    from rich.markup import escape
-
-    return escape(str(text))
-
-
-def _number(value: float) -> str:
-    return f"{value:.6g}"
-
-
-def _vector(values: Any) -> str:
-    size = max((abs(v) for v in values), default=0.0)
-    return ", ".join(f"{v if abs(v) > 1e-12 * size else 0.0:.5g}" for v in values)
+        out.print(f"[yellow]warning:[/yellow] {_escaped(words)}")

@@ -82,14 +82,15 @@ class Envelope:
     names : list of str
         Of the cases, by their numbers.
     fields : dict of str to dict
-        Of every field that all cases have: "min" and "max", like the field, and "min_case" and "max_case", numbers of
-        cases.
+        Of every field that all cases have on the same rows: "min" and "max", like the field, and "min_case" and
+        "max_case", numbers of cases.
     """
 
     def __init__(self, cases: Mapping[str, Result]) -> None:
         self._cases, self.names = cases, list(cases)
         results = list(cases.values())
-        shared = [name for name in results[0].fields if all(name in other.fields for other in results)]
+        alike = all(np.array_equal(other.vertex, results[0].vertex) for other in results)
+        shared = [name for name in results[0].fields if alike and all(name in r.fields for r in results)]
         self.fields: Deferred[dict[str, NDArray[Any]]] = Deferred(
             {name: partial(self._field, name) for name in shared}
         )

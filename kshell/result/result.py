@@ -289,6 +289,22 @@ class Result:
         """
         return save(self, folder, doors.picture_files(self, plots))
 
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Result:
+        """The result in a folder that `save`, or `kshell solve -o`, wrote.
+
+        Numbers are those of result.json, fields those at the vertices of result.vtu; `at` interpolates between them
+        linearly, where the result that was saved evaluates its elements.
+
+        Raises
+        ------
+        InputError
+            If there is none, or a file is damaged.
+        """
+        from kshell.result.loading import load_result
+
+        return load_result(folder)
+
     def plot(self, what: str = "deflection") -> Figure:
         """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
 

@@ -1,7 +1,8 @@
 """Results as .vtu files for ParaView, written through meshio.
 
 Point data have the names of `Result.fields`; tensors in the plane have the columns xx yy xy. Every group
-is an array "group NAME" of zeros and ones, of points for curve and point groups, of cells for surfaces.
+is an array "group NAME" of zeros and ones, of points for curve and point groups, of cells for surfaces; of a curve
+"edges of group NAME" tells which edges of each triangle are in it: 1 + 2 + 4 for those of its corners 01, 12 and 02.
 Where sheets or sections meet there is a point for each row of the fields, at the same place; `vertex` and `patch` tell
 them apart, `vertex` is -1 at mid-edge nodes. A comment in the head says how values at vertices are made.
 Triangles of order 2 are written with their mid-edge nodes: there the displacement of a shell is that of the
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from kshell.result.rows import Rows
 
 Floats = NDArray[np.float64]
+
+GROUP, EDGES_OF = "group ", "edges of group "
 
 
 def write_vtu(path: Path, result: Result) -> None:
@@ -63,11 +66,14 @@ def write_vtu(path: Path, result: Result) -> None:
         if group.dimension == 2:
             marked = np.zeros(len(mesh.triangles), dtype=np.int32)
             marked[group.members] = 1
-            cell_data[f"group {name}"] = [marked]
+            cell_data[f"{GROUP}{name}"] = [marked]
         else:
             marked = np.zeros(len(points), dtype=np.int32)
             marked[_nodes_of(rows, group.dimension, group.members)] = 1
-            point_data[f"group {name}"] = marked
+            point_data[f"{GROUP}{name}"] = marked
+        if group.dimension == 1:
+            bits = np.isin(mesh.triangle_edges, group.members) @ np.array([1, 2, 4], dtype=np.int32)
+            cell_data[f"{EDGES_OF}{name}"] = [bits.astype(np.int32)]
     meshio.write(path, meshio.Mesh(points, [(kind, cells)], point_data, cell_data), file_format="vtu")
     if result.nodal_values:
         _say(path, result.nodal_values)

@@ -348,6 +348,29 @@ class Scene:
         with inside(source, "scene: "):
             return cls(**arguments)
 
+    def save(self, path: str | os.PathLike[str]) -> list[str]:
+        """Write a scene file that gives the same scene; a mesh that only is in memory is written beside it.
+
+        Parameters
+        ----------
+        path : path
+            Ends in .toml.
+
+        Returns
+        -------
+        The paths written.
+
+        Raises
+        ------
+        InputError
+            If a value is a function or a chart of its own, which no file holds, or the file cannot be written.
+        """
+        from kshell.scene.writing import save_scene
+
+        if Path(path).suffix.lower() != ".toml":
+            raise InputError(f"{path}: a scene file ends in .toml")
+        return save_scene(self, path)
+
 
 def _all_of(items: Any, cls: type, key: str, words: str) -> tuple[Any, ...]:
     if isinstance(items, cls):

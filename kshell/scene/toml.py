@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -116,36 +116,56 @@ def apply_override(data: dict[str, Any], override: str) -> None:
         raise InputError(
             f'--set {override}: write KEY=VALUE, for example "material.E=70e9" or "load.0.value=2000"'
         )
+    value = value_of(text)
+    data.update(set_value(data, parts, value, f"--set {override}"))
+
+
+def value_of(text: str) -> Any:
+    """A value written as in TOML; what is not TOML is text."""
     try:
-        value = parsed_toml(f"value = {text.strip()}")["value"]
+        return parsed_toml(f"value = {text.strip()}")["value"]
     except ValueError:
-        value = text.strip()
-    table: Any = data
-    for depth, part in enumerate(parts[:-1]):
-        table = _entry(table, part, override, parts[:depth])
-    last = parts[-1]
-    if isinstance(table, list):
-        table[_index(table, last, override, parts[:-1])] = value
-    elif isinstance(table, dict):
-        table[last] = value
-    else:
-        raise InputError(
-            f'--set {override}: "{clipped(".".join(parts[:-1]))}" is {shown(table)} and has no keys'
-        )
+        return text.strip()
 
 
-def _entry(table: Any, part: str, override: str, above: list[str]) -> Any:
+def set_value(data: Any, parts: Sequence[str], value: Any, what: str) -> Any:
+    """A copy of tables and lists with one value replaced, the rest shared.
+
+    Parameters
+    ----------
+    parts : sequence of str
+        Keys from the outside in; of a list a number from 0. A table that is missing is made.
+    what : str
+        For messages.
+
+    Raises
+    ------
+    InputError
+        If there is no such place.
+    """
+    return _changed(data, list(parts), value, what, [])
+
+
+def _changed(table: Any, parts: list[str], value: Any, what: str, above: list[str]) -> Any:
+    if not parts:
+        return value
+    part, *rest = parts
     if isinstance(table, list):
-        return table[_index(table, part, override, above)]
+        key = _index(table, part, what, above)
+        return [
+            _changed(item, rest, value, what, [*above, part]) if number == key else item
+            for number, item in enumerate(table)
+        ]
     if isinstance(table, dict):
-        return table.setdefault(part, {})
-    raise InputError(f'--set {override}: "{clipped(".".join(above))}" is {shown(table)} and has no keys')
+        inner = _changed(table.get(part, {}), rest, value, what, [*above, part])
+        return {**table, part: inner}
+    raise InputError(f'{what}: "{clipped(".".join(above))}" is {shown(table)} and has no keys')
 
 
-def _index(items: list[Any], part: str, override: str, above: list[str]) -> int:
+def _index(items: list[Any], part: str, what: str, above: list[str]) -> int:
     if not part.isascii() or not part.isdigit() or len(part) > 9 or int(part) >= len(items):
         raise InputError(
-            f'--set {override}: "{clipped(".".join(above))}" is a list of {len(items)}: '
+            f'{what}: "{clipped(".".join(above))}" is a list of {len(items)}: '
             f'"{clipped(part)}" must be a number from 0 to {len(items) - 1}'
         )
     return int(part)
