@@ -78,7 +78,9 @@ def _block(item: Any) -> dict[str, Any]:
     elif getattr(item, "kind", "") and not isinstance(item, Elastic):
         data = {"kind": item.kind, **data}
     if isinstance(data.get("material"), dict):  # of a layer, whose keys stand beside its own
-        data = {**data.pop("material"), **data}
+        material = data.pop("material")
+        angle = material.pop("angle", 0.0) + data.get("angle", 0.0)
+        data = {**material, **data, **({"angle": angle} if angle else {})}
     for key, name in (("start", "from"), ("end", "to")):
         if key in data:
             data[name] = data.pop(key)

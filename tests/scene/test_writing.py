@@ -22,7 +22,7 @@ def test_shipped_scenes_come_back(path, tmp_path):
 
 def test_everything_comes_back_with_a_mesh_in_memory(tmp_path):
     mesh = ks.geometry.Plane().mesh(2, 2, 1, ("left", "right", "bottom", "top"), (0, 1), (0, 1))
-    glass = ks.Orthotropic(E1=40e9, E2=8e9, nu12=0.25, G12=4e9, angle=10.0, density=1800)
+    glass = ks.Orthotropic(E1=40e9, E2=8e9, nu12=0.25, G12=4e9, density=1800)
     scene = ks.Scene(
         mesh=mesh,
         layers=[
