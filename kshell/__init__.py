@@ -37,7 +37,16 @@ if TYPE_CHECKING:
     )
     from kshell.scene.motion import Damping, InitialVelocity
     from kshell.scene.scene import Scene
-    from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
+    from kshell.scene.supports import (
+        Clamped,
+        Elastic,
+        Fixed,
+        Free,
+        Hinge,
+        RigidLink,
+        SimplySupported,
+        Symmetry,
+    )
 
 __all__ = [
     "Anisotropic",
@@ -68,6 +77,7 @@ __all__ = [
     "PointMoment",
     "Pressure",
     "Result",
+    "RigidLink",
     "Scene",
     "SimplySupported",
     "SolveError",
@@ -94,7 +104,7 @@ _LAZY = {
     "Imperfection": "kshell.scene.imperfection",
     "Layer": "kshell.material.laminate",
     **dict.fromkeys(
-        ("Clamped", "SimplySupported", "Symmetry", "Free", "Hinge", "Fixed", "Elastic"),
+        ("Clamped", "SimplySupported", "Symmetry", "Free", "Hinge", "RigidLink", "Fixed", "Elastic"),
         "kshell.scene.supports",
     ),
     **dict.fromkeys(

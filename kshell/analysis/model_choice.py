@@ -21,7 +21,7 @@ from kshell.mesh.words import shown
 from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Structure
-from kshell.scene.supports import Hinge
+from kshell.scene.supports import Hinge, RigidLink
 from kshell.shell.limits import THINNEST, what_they_smooth
 from kshell.solvers.memory import SHARE, available_bytes
 
@@ -240,6 +240,8 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
         support = held.item
         if isinstance(support, Hinge):
             yield f"{support} is a hinge line"
+        elif isinstance(support, RigidLink):
+            yield f"{support} moves in space"
         elif getattr(support, "axes", None) is not None:
             yield f"{support} has axes of its own"
         elif moved and support.value is not None:
@@ -272,7 +274,7 @@ def _beyond_argyris(structure: Structure) -> str:
     if structure.imperfection is not None:
         return "the imperfection moves its nodes"
     for held in structure.supports:
-        if isinstance(held.item, Hinge):
+        if isinstance(held.item, Hinge | RigidLink):
             return f"{held.item} needs it"
     for placed in structure.loads:
         if getattr(placed.item, "follower", False):

@@ -19,7 +19,7 @@ from kshell.error.assessment import Assessment
 from kshell.errors import SolveError
 from kshell.result.result import Result
 from kshell.scene.options import TOLERANCE
-from kshell.scene.supports import SimplySupported
+from kshell.scene.supports import RigidLink, SimplySupported
 
 # deflection over thickness up to which no plate stretches by as much as matters
 SMALL = 0.07
@@ -90,7 +90,8 @@ def answer_once(model: Model, run: Run) -> Answered:
             solved = model.solve(options.solver)
             if options.large_deflection == "auto":
                 indicator = indicate(model, solved.own, TOLERANCE)
-        if solved is None or (indicator is not None and indicator.matters):
+        linked = next((p.item for p in model.structure.supports if isinstance(p.item, RigidLink)), None)
+        if solved is None or (indicator is not None and indicator.matters and linked is None):
             trace = grow_load(model, run)
     with run.clock.stage("recover"):
         if trace is not None:
@@ -105,6 +106,11 @@ def answer_once(model: Model, run: Run) -> Answered:
         if indicator is not None:
             result.error["budget"]["large_deflection"] = indicator.change
         described(result, model, run, reasons, _solver(solved), large=False)
+        if indicator is not None and indicator.matters:
+            result.warnings.append(
+                f"{indicator.words()}, but {linked} has small turns only: the answer is linear all the same; "
+                "large_deflection = false keeps it without this warning"
+            )
         return Answered(result, model, solved)
     if indicator is not None and isinstance(trace.failure, SolveError):
         trace.failure = SolveError(

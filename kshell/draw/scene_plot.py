@@ -6,7 +6,7 @@ forces in the plane are arrows. The legend says what each sign means.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ from kshell.mesh.check import is_flat
 from kshell.mesh.facing import top_words
 from kshell.scene.loads import Load
 from kshell.scene.places import on_words
-from kshell.scene.supports import Support
+from kshell.scene.supports import RigidLink, Support
 from kshell.values.varying import show
 
 if TYPE_CHECKING:
@@ -36,6 +36,7 @@ SUPPORT_COLOURS = {
     "symmetry": "#8e44ad",
     "free": "#7f7f7f",
     "hinge": "#e67e22",
+    "rigid_link": "#5d4037",
     "fixed": "#00838f",
     "elastic": "#b8860b",
 }
@@ -59,9 +60,9 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
     draw_edges(axes, mesh, every, colors="#9aa3ad", linewidths=thin)
     draw_edges(axes, mesh, mesh.boundary_edges, colors="black", linewidths=1.0)
     if scene is not None:
-        for support in scene.supports:
+        for support in on_mesh(scene.supports, scene):
             _draw_support(axes, mesh, support)
-        for load in scene.loads:
+        for load in on_mesh(scene.loads, scene):
             _draw_load(axes, mesh, load)
         _draw_material_axes(axes, mesh, scene)
         if not is_flat(mesh.points):
@@ -79,6 +80,12 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
         figure.set_figheight(figure.get_figheight() + 0.22 * signs)
         figure.legend(loc="outside lower center", ncols=1, fontsize=9, frameon=False)
     return figure
+
+
+def on_mesh(items: Iterable[Any], scene: Scene) -> list[Any]:
+    """Supports or loads without those on points of rigid links, which lie anywhere."""
+    names = {support.name for support in scene.supports if isinstance(support, RigidLink)} - {""}
+    return [item for item in items if not (isinstance(item.on, str) and item.on in names)]
 
 
 def _draw_support(axes: Axes, mesh: Mesh, support: Support) -> None:

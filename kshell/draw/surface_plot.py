@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, colour_bar, colours, flat_triangles
-from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes
+from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes, on_mesh
 from kshell.mesh import Mesh, Selection, select
 from kshell.result.vtu import at_nodes
 from kshell.scene.loads import Load
@@ -134,9 +134,9 @@ def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figu
             Line3DCollection(_edge_lines(mesh, nodes, outline), colors="black", linewidths=1.0)
         )
     if scene is not None:
-        for support in scene.supports:
+        for support in on_mesh(scene.supports, scene):
             _draw_support(axes, mesh, nodes, support)
-        for load in scene.loads:
+        for load in on_mesh(scene.loads, scene):
             _draw_load(axes, mesh, nodes, load)
         _draw_material_axes(axes, mesh, scene)
         for name, point in scene.probes.items():

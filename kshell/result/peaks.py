@@ -40,7 +40,7 @@ def peaks(structure: Structure) -> dict[int, str]:
             what = "spring" if isinstance(support.item, Elastic) else "support"
             out |= dict.fromkeys(support.place.members.tolist(), f"a point {what}")
     for load in structure.loads:
-        if not isinstance(load.item, PointForce | PointMoment) or load.place is None:
+        if not isinstance(load.item, PointForce | PointMoment) or load.place is None or load.link:
             continue
         if load.depends_on_time or np.any(load.item.at(load.vertices(mesh))):
             words = "a point force" if isinstance(load.item, PointForce) else "a point moment"

@@ -40,7 +40,7 @@ def contradictions(
 
 def _free_and_held(supports: Sequence[Placed[Support]], space: Mesh) -> Iterator[str]:
     """Parts of the mesh that one support calls free and another holds."""
-    holding = [p for p in supports if p.item.freedoms and p.place is not None]
+    holding = [p for p in supports if p.item.freedoms and p.place is not None and p.link is None]
     for free in supports:
         if not isinstance(free.item, Free) or free.place is None:
             continue
@@ -73,7 +73,7 @@ def _lost(load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, 
             value = item.at(load.vertices(space))
             if np.abs(value @ axis).max(initial=0.0) <= NEGLIGIBLE * np.abs(value).max(initial=0.0):
                 continue
-        holders = [p for p in supports if _holds(p.item, letter, axis, flat)]
+        holders = [p for p in supports if p.link is None and _holds(p.item, letter, axis, flat)]
         found = [_within(p.place, chosen, space) for p in holders if p.place is not None]
         if found and np.isin(chosen.members, np.concatenate(found)).all():
             first = next(

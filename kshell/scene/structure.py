@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,13 +17,14 @@ from kshell.errors import InputError
 from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
+from kshell.mesh.words import clipped
 from kshell.scene.imperfection import Imperfection
-from kshell.scene.loads import Load
+from kshell.scene.loads import Load, PointForce, PointMoment
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point
 from kshell.scene.scene import Scene
 from kshell.scene.sense import contradictions
-from kshell.scene.supports import Support
+from kshell.scene.supports import Clamped, Fixed, RigidLink, Support
 from kshell.values.time import at_time, depends_on_time
 
 Floats = NDArray[np.float64]
@@ -39,10 +40,13 @@ class Placed(Generic[T]):
     item : Load or Support
     place : Selection, optional
         Vertices, edges or triangles; None is everywhere.
+    link : RigidLink, optional
+        Whose point it acts on; its place is then that of the link.
     """
 
     item: T
     place: Selection | None
+    link: RigidLink | None = None
 
     def members(self, mesh: Mesh) -> NDArray[np.integer]:
         """Numbers of the vertices, edges or triangles it acts on; all triangles where it acts everywhere."""
@@ -50,6 +54,8 @@ class Placed(Generic[T]):
 
     def vertices(self, mesh: Mesh) -> Floats:
         """(n, 3) vertices of the part."""
+        if self.link is not None:
+            return np.array([self.link.to])
         if self.place is None:
             return mesh.points
         if self.place.dimension == 0:
@@ -139,8 +145,9 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     """
     space = mesh_in_space(scene.chart, mesh)
     # values inside come at quadrature points: without a look at vertices a pole on one would go unnoticed
-    supports = tuple(_supports(scene.supports, space))
-    loads = tuple(_load(load, space) for load in scene.loads)
+    links = _links(scene, space)
+    supports = tuple(_supports(scene.supports, space, links))
+    loads = tuple(_load(load, space, links) for load in scene.loads)
     every: list[Placed[Any]] = [*supports, *loads]
     for placed in every:
         (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
@@ -172,15 +179,20 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
         shell_section(space, scene.thickness, scene.material, scene.layers)
     except InputError as error:
         yield str(error)
+    try:
+        links = _links(scene, space)
+    except InputError as error:
+        yield str(error)
+        return
     supports: list[Placed[Support]] = []
     loads: list[Placed[Load]] = []
     for item in [*scene.supports, *scene.loads]:
         try:
             if isinstance(item, Support):
-                found: list[Any] = list(_supports([item], space))
+                found: list[Any] = list(_supports([item], space, links))
                 supports += found
             else:
-                found = [_load(item, space)]
+                found = [_load(item, space, links)]
                 loads += found
             for placed in found:
                 (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
@@ -189,16 +201,58 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
     yield from contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space)
 
 
-def _load(load: Any, space: Mesh) -> Placed[Load]:
+def _links(scene: Scene, space: Mesh) -> dict[str, Placed[Support]]:
+    """Rigid links by their names.
+
+    Raises
+    ------
+    InputError
+        If two have the same name, or one that of a group.
+    """
+    out: dict[str, Placed[Support]] = {}
+    for support in scene.supports:
+        if isinstance(support, RigidLink):
+            name = support.name
+            if name and (name in out or name in space.groups):
+                raise InputError(f'{support}: the name "{clipped(name)}" is taken: give it another')
+            chosen = select(space, support.on, dimensions=support.dimensions, what=f"support {support.kind}")
+            out[name] = Placed(cast(Support, support), chosen)
+    out.pop("", None)
+    return out
+
+
+def _at_point(item: Any, link: Placed[Any]) -> Placed[Any]:
+    """A load or support on the point of a rigid link."""
+    if (
+        not isinstance(item, PointForce | PointMoment | Clamped | Fixed)
+        or getattr(item, "axes", None) is not None
+    ):
+        raise InputError(
+            f"{item}: the point of a rigid link takes point_force, point_moment, clamped and fix (along x, y, z and r)"
+        )
+    return Placed(item, link.place, link.item)
+
+
+def _load(load: Any, space: Mesh, links: Mapping[str, Placed[Support]]) -> Placed[Load]:
+    if isinstance(load.on, str) and load.on in links:
+        return _at_point(load, links[load.on])
     if load.on is None:
         return Placed(load, None)
     what = f"load {load.kind}"
     return Placed(load, select(space, load.on, dimensions=load.dimensions, what=what))
 
 
-def _supports(supports: Iterable[Any], space: Mesh) -> Iterator[Placed[Support]]:
+def _supports(
+    supports: Iterable[Any], space: Mesh, links: Mapping[str, Placed[Support]]
+) -> Iterator[Placed[Support]]:
     for support in supports:
         what = f"support {support.kind}"
+        if isinstance(support.on, str) and support.on in links:
+            yield _at_point(support, links[support.on])
+            continue
+        if isinstance(support, RigidLink):  # one body, however many groups
+            yield Placed(support, select(space, support.on, dimensions=support.dimensions, what=what))
+            continue
         names: tuple[Any, ...] = (support.on,)
         if isinstance(support.on, tuple) and isinstance(support.on[0], str):
             names = support.on

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import field
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import BeforeValidator
 
 from kshell.errors import InputError
 from kshell.mesh.words import shown
-from kshell.scene.places import On, Place, ScalarOrVector, ScalarValue, on_words
+from kshell.scene.places import On, Place, Point, ScalarOrVector, ScalarValue, as_point, on_words
 from kshell.values.validation import Flag, described
 from kshell.values.varying import is_constant, values_at
 
@@ -128,6 +129,21 @@ class Hinge(Support):
     kind: ClassVar[str] = "hinge"
     dimensions: ClassVar[tuple[int, ...]] = (1,)
     on: On
+    freedoms: str = field(default="", init=False, repr=False)
+
+
+@described("support rigid_link")
+class RigidLink(Support):
+    """Ties curves or surfaces of a shell to a point: all move as one rigid body, of small turns.
+
+    Point forces and moments, `Clamped` and `Fixed` may be on its name: they act on the point.
+    """
+
+    kind: ClassVar[str] = "rigid_link"
+    dimensions: ClassVar[tuple[int, ...]] = (1, 2)
+    on: On
+    to: Annotated[Point, BeforeValidator(as_point)]
+    name: str = ""
     freedoms: str = field(default="", init=False, repr=False)
 
 
@@ -246,5 +262,5 @@ def _require_matching_value(freedoms: str, value: Any) -> None:
 
 
 SUPPORTS: dict[str, type[Any]] = {
-    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, Fixed, Elastic)
+    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, RigidLink, Fixed, Elastic)
 }

@@ -19,7 +19,7 @@ from kshell.scene.loads import LOADS
 from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point
-from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Symmetry
+from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, RigidLink, SimplySupported, Symmetry
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import unknown_key
 
@@ -56,7 +56,9 @@ KEYS = [
     "solve",
 ]
 LINE_KEYS = ["name", "from", "to", "n"]
-NAMED_SUPPORTS = {cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, Elastic)}
+NAMED_SUPPORTS = {
+    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, RigidLink, Elastic)
+}
 
 
 def read_toml(path: Path) -> dict[str, Any]:

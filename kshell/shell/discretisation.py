@@ -141,5 +141,15 @@ class Discretisation(ABC):
         """
 
     @abstractmethod
+    def moved_rigidly(self, chosen: Selection, what: str) -> Ints:
+        """Numbers of the unknowns that a rigid link of edges or triangles moves.
+
+        Raises
+        ------
+        InputError
+            Where there are none such.
+        """
+
+    @abstractmethod
     def mass(self, density: Floats) -> sp.csr_matrix:
         """Consistent mass matrix (unknowns, unknowns) of a mass per area at `interior_points` of all triangles."""

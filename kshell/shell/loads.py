@@ -35,6 +35,7 @@ from kshell.scene.structure import Placed
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.initial import StressFree, temperature
 from kshell.shell.limits import USE_KOITER
+from kshell.shell.links import Link
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -89,7 +90,12 @@ def _times(follow: Follower, factor: float, x: Floats) -> tuple[Floats, sp.csr_m
 
 
 def apply_loads(
-    loads: Iterable[Placed[Load]], mesh: Mesh, discretisation: Discretisation, energy: Any, section: Section
+    loads: Iterable[Placed[Load]],
+    mesh: Mesh,
+    discretisation: Discretisation,
+    energy: Any,
+    section: Section,
+    links: Sequence[Link] = (),
 ) -> ShellLoads:
     """Translate the loads of a structure.
 
@@ -101,13 +107,15 @@ def apply_loads(
         Of the discretisation, for initial strains.
     section : kshell.material.section.Section
         For the weight.
+    links : sequence of Link
+        Whose points loads may act on.
 
     Raises
     ------
     InputError
         For loads that do not fit, and those the discretisation does not have.
     """
-    builder = _Builder(mesh, discretisation, energy, section)
+    builder = _Builder(mesh, discretisation, energy, section, links)
     for number, placed in enumerate(loads):
         builder.number, before = number, len(builder.out.forces)
         HANDLERS.handle(builder, placed, builder.out.warnings)
@@ -116,7 +124,10 @@ def apply_loads(
 
 
 class _Builder:
-    def __init__(self, mesh: Mesh, discretisation: Discretisation, energy: Any, section: Section) -> None:
+    def __init__(
+        self, mesh: Mesh, discretisation: Discretisation, energy: Any, section: Section, links: Sequence[Link]
+    ) -> None:
+        self.links = links
         self.mesh, self.discretisation, self.energy, self.section = mesh, discretisation, energy, section
         self.surface, self.kernel = discretisation.surface, discretisation.loads
         self.number = 0
@@ -185,6 +196,12 @@ class _Builder:
 
     @HANDLERS.of(PointForce, PointMoment)
     def _point(self, load: Any, placed: Placed[Any]) -> None:
+        if placed.link is not None:
+            link = next(link for link in self.links if link.item is placed.link)
+            value = load.at(placed.vertices(self.mesh))[0]
+            pair = (value, 0.0 * value) if isinstance(load, PointForce) else (0.0 * value, value)
+            self.out.forces.append(link.force(self.discretisation.unknowns, *pair))
+            return
         apply = getattr(self.kernel, load.kind)
         for vertex in placed.members(self.mesh):
             value = load.at(self.mesh.points[[vertex]])[0]

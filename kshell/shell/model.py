@@ -101,6 +101,7 @@ class ShellModel(FiniteModel):
         return vibration.energies(self.problem, vectors)
 
     def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
+        self.problem.require_no_links()
         return self.problem.reduction.reduce(self.problem.energy.geometric_stiffness(solved.own.stress))
 
     def under(self, factors: Sequence[float], motion: float = 1.0) -> ShellModel:

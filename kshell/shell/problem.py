@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.problem import Follower, Problem, State
 from kshell.equilibrium.reduction import Reduction
+from kshell.errors import InputError
 from kshell.material.materials import rotated
 from kshell.mesh import quadratic
 from kshell.mesh.closest import Locator
@@ -23,6 +24,7 @@ from kshell.scene.structure import Structure
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.held import require_held
 from kshell.shell.limits import what_they_smooth
+from kshell.shell.links import SMALL_ONLY, with_links
 from kshell.shell.loads import ShellLoads, apply_loads
 from kshell.shell.section import Section as Stiffness
 from kshell.shell.shape_checks import shape_warnings
@@ -66,9 +68,9 @@ class ShellProblem:
         self.energy: Any = discretisation.energy(self._stiffness())
         self.supports: ShellSupports = apply_supports(structure.supports, self.space, discretisation)
         self.loads: ShellLoads = apply_loads(
-            structure.loads, self.space, discretisation, self.energy, self.section
+            structure.loads, self.space, discretisation, self.energy, self.section, self.supports.links
         )
-        self.reduction: Reduction = self.supports.conditions.reduction()
+        self.reduction: Reduction = with_links(self.supports.conditions.reduction(), self.supports.links)
         self.springs: sp.csr_matrix | None = self.supports.springs
         if not structure.movable:
             require_held(self.space, discretisation, self.reduction, self.springs)
@@ -130,6 +132,7 @@ class ShellProblem:
 
     def equilibrium(self) -> Problem:
         """The same for large deflections, all loads and prescribed motions growing with one factor."""
+        self.require_no_links()
         loads = self.loads
         dead = [force for k, force in enumerate(loads.forces) if k not in loads.followers]
         follower: Follower | None = None
@@ -152,6 +155,11 @@ class ShellProblem:
     def jumps(self) -> NDArray[np.bool_]:
         """(edge,) edges inside across which forces or moments jump."""
         return shell_lines(self.structure)
+
+    def require_no_links(self) -> None:
+        """Raise InputError if a rigid link turns, which is for small deflections only."""
+        for link in self.supports.links:
+            raise InputError(f"{link.item}: {SMALL_ONLY}")
 
     @cached_property
     def locator(self) -> Locator:

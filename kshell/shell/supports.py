@@ -16,8 +16,19 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.scene.handlers import Handlers
 from kshell.scene.structure import Placed
-from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, SimplySupported, Support, Symmetry
+from kshell.scene.supports import (
+    Clamped,
+    Elastic,
+    Fixed,
+    Free,
+    Hinge,
+    RigidLink,
+    SimplySupported,
+    Support,
+    Symmetry,
+)
 from kshell.shell.discretisation import Discretisation
+from kshell.shell.links import Link, LinkConditions
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -56,11 +67,14 @@ class ShellSupports:
         All together.
     groups : list of HeldGroup
         One by one, for reactions.
+    links : list of Link
+        Rigid links.
     warnings : list of str
     """
 
     conditions: Any
     groups: list[HeldGroup] = field(default_factory=list)
+    links: list[Link] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
     @property
@@ -109,7 +123,10 @@ def apply_supports(
         For supports that do not fit.
     """
     builder = _Builder(mesh, discretisation, ShellSupports(discretisation.conditions()))
-    for placed in supports:
+    supports = list(supports)
+    for placed in sorted(
+        supports, key=lambda placed: placed.link is not None
+    ):  # links before what holds them
         HANDLERS.handle(builder, placed, builder.out.warnings)
     return builder.out
 
@@ -123,6 +140,11 @@ class _Builder:
     @HANDLERS.of(Free, Hinge)
     def _nothing_held(self, support: Any, placed: Placed[Any]) -> None:
         """A hinge releases, which the discretisation knows already."""
+
+    @HANDLERS.of(RigidLink)
+    def _link(self, support: Any, placed: Placed[Any]) -> None:
+        chosen, _ = self._where(support, placed)
+        self.out.links.append(Link.of(support, chosen, self.discretisation))
 
     @HANDLERS.of(Elastic)
     def _springs(self, support: Any, placed: Placed[Any]) -> None:
@@ -146,6 +168,12 @@ class _Builder:
 
     @HANDLERS.of(Clamped, SimplySupported, Fixed)
     def _held(self, support: Any, placed: Placed[Any]) -> None:
+        if placed.link is not None:
+            link = next(link for link in self.out.links if link.item is placed.link)
+            link.hold(support.freedoms, support.translation_at(np.array([placed.link.to]))[0])
+            held = LinkConditions(link, self.discretisation.unknowns)
+            self.out.groups.append(HeldGroup(placed.link.name, conditions=held))
+            return
         chosen, what = self._where(support, placed)
         own = self.discretisation.conditions()
         letters = support.freedoms.replace("r", "")

@@ -195,6 +195,10 @@ class ArgyrisDiscretisation(Discretisation):
         blocks = along_directions(weight * stiffness(points), shape, direction)
         return self._scatter(_components(surface.scalar[members]), blocks)
 
+    def moved_rigidly(self, chosen: Selection, what: str) -> Ints:
+        """None: continuous curvature would stiffen what lies beside the link."""
+        raise InputError(f"{what} is not for Argyris elements on a chart: {USE_KOITER}")
+
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         """The turn about an edge is n . du/dmu, mu the conormal."""
         require_curve(chosen, what)

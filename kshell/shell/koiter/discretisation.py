@@ -196,6 +196,17 @@ class KoiterDiscretisation(Discretisation):
         unknowns = 3 * nodes.astype(np.int64)[:, :, None] + np.arange(3)
         return scattered(unknowns.reshape(len(nodes), -1), blocks, self.unknowns)
 
+    def moved_rigidly(self, chosen: Selection, what: str) -> Ints:
+        """Translations of the nodes, and rotations of the edges."""
+        surface, edges = self.surface, chosen.members
+        if chosen.dimension == 2:
+            edges = np.unique(surface.mesh.triangle_edges[chosen.members])
+            nodes = surface.nodes_of_triangles(chosen.members)
+        else:
+            nodes = surface.nodes_of_edges(edges)
+        translations = 3 * nodes.astype(np.int64)[:, None] + np.arange(3)
+        return np.concatenate([translations.ravel(), surface.rotations_of_edges(edges)])
+
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         require_curve(chosen, what)
         surface, p = self.surface, self.surface.order
