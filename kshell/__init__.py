@@ -14,6 +14,7 @@ from kshell.version import __version__
 if TYPE_CHECKING:
     from kshell.analysis.solve import buckling, modes, simulate, solve, trace
     from kshell.analysis.sweep import sweep
+    from kshell.material.given import Section
     from kshell.material.laminate import Layer
     from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
     from kshell.mesh import Mesh
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
         Hinge,
         RigidLink,
         SimplySupported,
+        SoftSupported,
         Symmetry,
     )
 
@@ -79,7 +81,9 @@ __all__ = [
     "Result",
     "RigidLink",
     "Scene",
+    "Section",
     "SimplySupported",
+    "SoftSupported",
     "SolveError",
     "Symmetry",
     "Temperature",
@@ -103,8 +107,9 @@ _LAZY = {
     "Line": "kshell.scene.line",
     "Imperfection": "kshell.scene.imperfection",
     "Layer": "kshell.material.laminate",
+    "Section": "kshell.material.given",
     **dict.fromkeys(
-        ("Clamped", "SimplySupported", "Symmetry", "Free", "Hinge", "RigidLink", "Fixed", "Elastic"),
+        ("Clamped", "SimplySupported", "SoftSupported", "Symmetry", "Free", "Hinge", "RigidLink", "Fixed", "Elastic"),
         "kshell.scene.supports",
     ),
     **dict.fromkeys(

@@ -182,7 +182,8 @@ def _require_motion(options: SolveOptions) -> None:
 
 def _require_plate(structure: Structure) -> None:
     """Refuse what a plate does not have, rather than leave it out."""
-    shells_only = [f"offset = {structure.offset:g}"] if structure.offset != 0.0 else []
+    offsets = structure.offset[structure.offset != 0.0]
+    shells_only = [f"offset = {offsets[0]:g}"] if len(offsets) else []
     shells_only += ["imperfection"] if structure.imperfection is not None else []
     shells_only += ["direction"] if structure.direction is not None else []
     if shells_only:
@@ -229,10 +230,10 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
 
 def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
     """What in a flat structure stretches the plate in its plane, in words; `moved`: loads and motions there, too."""
-    layers, mesh = structure.section.laminate, structure.space
-    if layers is not None and layers.coupling > NEGLIGIBLE_COUPLING:
+    mesh = structure.space
+    if structure.section.coupling_ratio > NEGLIGIBLE_COUPLING:
         yield "the layers are not symmetric about their middle, so bending stretches them"
-    if structure.offset != 0.0:
+    if structure.offset.any():
         yield "the material lies off the mesh, so bending stretches it"
     if structure.imperfection is not None:
         yield "its imperfection curves it"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from kshell.analysis.large import Indicator, indicate
 from kshell.analysis.path import Trace, answer_trace, described_trace, grow_load
 from kshell.analysis.run import Run, described
+from kshell.analysis.shear import account_for_shear
 from kshell.equilibrium.model import FiniteModel, Model, Solved
 from kshell.equilibrium.problem import State
 from kshell.error.assess import DUALS, assess
@@ -73,6 +74,8 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
         found = assess(answered.model, answered.state, result, duals, names)
         found.with_share((result.error["budget"]["algebra"] or 0.0) + (found.geometry or 0.0))
         found.document(result, run.options.quantity)
+        if isinstance(answered.state, Solved):
+            account_for_shear(result, answered.model, answered.state, run.options)
     result.solver["seconds"] = {**run.clock.seconds}
     return found
 

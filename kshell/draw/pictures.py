@@ -45,10 +45,11 @@ def pictures(result: Result) -> tuple[str, ...]:
     if result.analysis in MODAL:
         return ("modes", *(f"mode_{number}" for number in range(1, len(result.eigen) + 1)), "mesh")
     if result.model.get("kind") != "shell":
-        return PICTURES
+        return tuple(name for name in PICTURES if name not in FIELDS or FIELDS[name][0] in result.fields)
     path = ("load_deflection",) if result.path and result.probes else ()
     motion = ("history", "film") if result.history else ()
-    return (*SHELL_FIELDS, *path, *motion, "mesh")
+    shown = (name for name, (values, _, _) in SHELL_FIELDS.items() if values in result.fields)
+    return (*shown, *path, *motion, "mesh")
 
 
 def picture_values(result: Result, what: str) -> tuple[Floats, str]:

@@ -19,6 +19,7 @@ from kshell.mesh.check import is_flat
 from kshell.mesh.facing import top_words
 from kshell.scene.loads import Load
 from kshell.scene.places import on_words
+from kshell.scene.sections import each
 from kshell.scene.supports import RigidLink, Support
 from kshell.values.varying import show
 
@@ -33,6 +34,7 @@ Floats = NDArray[np.float64]
 SUPPORT_COLOURS = {
     "clamped": "#1f4e9c",
     "simply_supported": "#1b8a3a",
+    "soft_supported": "#58b368",
     "symmetry": "#8e44ad",
     "free": "#7f7f7f",
     "hinge": "#e67e22",
@@ -114,7 +116,7 @@ def _draw_supported_edges(
     if kind == "clamped":  # hatched like a wall
         _segments(axes, point, point + size * (outward + 0.7 * tangent), colour)
         axes.plot([], [], color=colour, linewidth=3, label=label, marker=(2, 0, -45), markersize=10)
-    elif kind == "simply_supported":
+    elif kind in ("simply_supported", "soft_supported"):
         corner = [point, point + size * (outward + 0.6 * tangent), point + size * (outward - 0.6 * tangent)]
         _polygons(axes, np.stack(corner, axis=1), colour)
         axes.plot([], [], color=colour, linewidth=3, label=label, marker="^", markersize=7)
@@ -255,15 +257,15 @@ def _polygons(axes: Axes, corners: Floats, colour: str, **style: Any) -> None:
 
 def material_axes(scene: Scene) -> Iterator[tuple[str, float, str]]:
     """For every direction of direction-dependent materials: words, the angle in degrees, and a style of line."""
-    layers = (
-        [(scene.material, 0.0)] if scene.layers is None else [(p.material, p.angle) for p in scene.layers]
-    )
+    stacks = list(each(scene.layers))
+    layers = [(material, 0.0) for material in each(scene.material)]
+    layers += [(layer.material, layer.angle) for stack in stacks for layer in stack]
     numbers: dict[float, list[str]] = {}  # angle: the layers at it
     for number, (material, turned) in enumerate(layers, start=1):
         if hasattr(material, "angle"):
             numbers.setdefault((material.angle + turned) % 180.0, []).append(str(number))
     for (angle, which), style in zip(numbers.items(), cycle(("-", "--", "-.", ":")), strict=False):
-        whose = "" if scene.layers is None else f" of layer {', '.join(which)}"
+        whose = "" if not stacks else f" of layer {', '.join(which)}"
         yield f"material axis 1{whose}: {angle:g} degrees", angle, style
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, colour_bar, colours, flat_triangles
 from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes, on_mesh
+from kshell.material.by_group import ELSE
 from kshell.mesh import Mesh, Selection, select
 from kshell.result.vtu import at_nodes
 from kshell.scene.loads import Load
@@ -280,12 +282,18 @@ def _places(mesh: Mesh, nodes: Floats, chosen: Selection) -> tuple[Floats, Float
     return centres[some], normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
+def _direction_for_all(scene: Scene) -> Any:
+    """The direction material angles count from, where there is one for all."""
+    given = scene.direction.get(ELSE) if isinstance(scene.direction, Mapping) else scene.direction
+    return None if given is None else np.array(given)
+
+
 def _draw_material_axes(axes: Any, mesh: Mesh, scene: Scene) -> None:
     """Axis 1 of every direction-dependent material, as lines on the surface."""
     every = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     points, normals = _places(mesh, mesh.points, every)
     tangents = np.stack(plane_tangents(normals.T))
-    e1, e2, _ = tangent_frame(tangents, None if scene.direction is None else np.array(scene.direction))
+    e1, e2, _ = tangent_frame(tangents, _direction_for_all(scene))
     for label, angle, style in material_axes(scene):
         c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
         half = 0.03 * mesh.size * (c * e1 + s * e2).T

@@ -12,13 +12,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.material.materials import rotated
+from kshell.material.materials import rotated, transverse_shear
+from kshell.material.transverse import TransverseShear
 from kshell.mesh.words import shown
 from kshell.values.validation import Number, described
 
@@ -57,6 +59,15 @@ class Layer:
         """(3, 3) stiffness in global axes."""
         return rotated(self.material.plane_stress(), self.angle)
 
+    def transverse_shear(self) -> Floats | None:
+        """(2, 2) transverse shear stiffness in global axes, None where it is not known."""
+        G = transverse_shear(self.material)
+        if G is None:
+            return None
+        c, s = np.cos(np.deg2rad(self.angle)), np.sin(np.deg2rad(self.angle))
+        turn = np.array([[c, -s], [s, c]])
+        return turn @ G @ turn.T
+
 
 @dataclass(frozen=True)
 class Laminate:
@@ -72,6 +83,12 @@ class Laminate:
     bottom, middle, top : (3, 3) array
         Plane-stress stiffness of the outermost layers, and of the layer at the middle of the stack (the upper
         one where two layers meet there).
+    z : (layer + 1,) array
+        Heights of the interfaces above the middle.
+    Q : (layer, 3, 3) array
+        Plane-stress stiffness of the layers.
+    G : list of (2, 2) arrays or None
+        Transverse shear stiffness of the layers; None where that of one is not known.
     """
 
     A: Floats
@@ -82,6 +99,19 @@ class Laminate:
     bottom: Floats
     middle: Floats
     top: Floats
+    z: Floats
+    Q: Floats
+    G: list[Floats] | None
+
+    @cached_property
+    def shear(self) -> TransverseShear:
+        """Shear stresses between the layers."""
+        return TransverseShear(self.z, self.Q)
+
+    @cached_property
+    def S(self) -> Floats | None:
+        """(2, 2) transverse shear stiffness; None where that of a layer is not known."""
+        return None if self.G is None else self.shear.stiffness(self.G)
 
     @property
     def coupling(self) -> float:
@@ -101,20 +131,28 @@ def laminate(layers: Sequence[Layer]) -> Laminate:
     A, B, D = (np.tensordot(np.diff(z**k) / k, Q, axes=1) for k in (1, 2, 3))
     mass = sum(layer.material.density * layer.thickness for layer in layers)
     middle = Q[min(int(np.searchsorted(z, 1e-9 * total, side="right")) - 1, len(Q) - 1)]
-    return Laminate(A, B, D, float(total), float(mass), bottom=Q[0], middle=middle, top=Q[-1])
+    shears = [layer.transverse_shear() for layer in layers]
+    known = [G for G in shears if G is not None]
+    G = known if len(known) == len(layers) else None
+    return Laminate(A, B, D, float(total), float(mass), Q[0], middle, Q[-1], z, Q, G)
 
 
-def require_symmetric(stack: Laminate) -> None:
-    """Raise InputError if bending stretches the laminate: a plate model has no stretching.
+def require_symmetric(coupling: float) -> None:
+    """Raise InputError if bending stretches a section: a plate model has no stretching.
+
+    Parameters
+    ----------
+    coupling : float
+        Size of B against sqrt(A D).
 
     Raises
     ------
     InputError
         If B is not zero.
     """
-    if stack.coupling > NEGLIGIBLE_COUPLING:
+    if coupling > NEGLIGIBLE_COUPLING:
         raise InputError(
             f"layers: the laminate is not symmetric about its middle, so bending stretches it "
-            f"(|B| / sqrt(|A| |D|) = {stack.coupling:.2g}, must be 0); plates in pure bending need "
+            f"(|B| / sqrt(|A| |D|) = {coupling:.2g}, must be 0); plates in pure bending need "
             "a symmetric one: mirror the layers about the middle, e.g. 0 / 90 / 90 / 0"
         )

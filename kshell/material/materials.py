@@ -128,6 +128,9 @@ class Orthotropic:
         Degrees from the global x axis to axis 1, counter-clockwise.
     density : float
         Mass per volume.
+    G13, G23 : float, optional
+        Transverse shear moduli along the axes, > 0; G12 where they are not given. Only how much shear would add to the
+        deflection, and shear stresses, hang on them.
     """
 
     E1: Number
@@ -136,10 +139,13 @@ class Orthotropic:
     G12: Number
     angle: Number = 0.0
     density: Number = 0.0
+    G13: Number | None = None
+    G23: Number | None = None
 
     def __post_init__(self) -> None:
-        for name in ("E1", "E2", "G12"):
-            require_positive(name, getattr(self, name))
+        for name in ("E1", "E2", "G12", "G13", "G23"):
+            if getattr(self, name) is not None:
+                require_positive(name, getattr(self, name))
         if self.nu12**2 >= self.E1 / self.E2:
             raise InputError(
                 f"material: nu12 = {self.nu12:g} must lie between -{(self.E1 / self.E2) ** 0.5:g} and "
@@ -219,6 +225,26 @@ class Anisotropic:
             p, n = [0, 1, 5], [2, 3, 4]
             C = C[np.ix_(p, p)] - C[np.ix_(p, n)] @ np.linalg.solve(C[np.ix_(n, n)], C[np.ix_(n, p)])
         return rotated(C, self.angle)
+
+
+def transverse_shear(material: Any) -> Floats | None:
+    """(2, 2) stiffness G in global axes: (tau_xz, tau_yz) = G (gamma_xz, gamma_yz); None where it is not known.
+
+    Of a stiffness in space with zero stress zz: C_55, C_45, C_44 as they are, which plane stress leaves uncoupled where
+    the plate's plane is one of symmetry.
+    """
+    if isinstance(material, Isotropic):
+        return float(material.lame_mu) * np.eye(2)  # type: ignore[arg-type]
+    if isinstance(material, Orthotropic):
+        own = np.diag([material.G12 if G is None else G for G in (material.G13, material.G23)])
+    elif isinstance(material, Anisotropic) and len(material.C) == 6:
+        own = np.array(material.C)[np.ix_([4, 3], [4, 3])]
+    else:
+        return None
+    theta = np.deg2rad(material.angle)
+    c, s = np.cos(theta), np.sin(theta)
+    turn = np.array([[c, -s], [s, c]])
+    return turn @ own @ turn.T
 
 
 def _require_density(density: float) -> None:

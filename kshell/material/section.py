@@ -6,31 +6,33 @@ w''         (w_xx, w_yy, 2 w_xy)
 D           bending stiffness (3, 3): (M_xx, M_yy, M_xy) = -D w''
 Q           plane-stress stiffness (3, 3); D = t^3 / 12 Q in a single material of thickness t
 A, B        membrane and coupling stiffness: N = A E - B w'', M = B E - D w'' with the membrane strain E
+S           transverse shear stiffness (2, 2)
 sigma       stress at height z: -z Q w''
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.material.laminate import Laminate, Layer, laminate, require_symmetric
-from kshell.material.materials import Material
+from kshell.material.by_group import parts_of
+from kshell.material.laminate import require_symmetric
+from kshell.material.part import Part
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.select import select
 from kshell.mesh.words import place
-from kshell.values.naming import listing
-from kshell.values.varying import is_constant, show, values_at
+from kshell.values.varying import show, values_at
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 # smallest over largest eigenvalue of a stiffness that can still be inverted with a digit left
 SOFTEST = 1e-14
+BOTTOM, MIDDLE, TOP = -1, 0, 1
 
 
 class Section:
@@ -38,44 +40,65 @@ class Section:
 
     Attributes
     ----------
+    parts : list of Part
+        The cross-sections there are.
     constant_per_triangle : bool
         Whether thickness and stiffness do not vary inside triangles.
     """
 
-    def __init__(self, mesh: Mesh, thickness: Any, material: Material | None, stack: Laminate | None) -> None:
-        """Thickness as in a scene (or ignored where `stack` is given); checked over the whole mesh."""
-        self._given = (thickness, material, stack)
-        self._mesh = mesh
-        self._stack = stack
-        self._Q = np.zeros((3, 3)) if material is None else material.plane_stress()
-        self._density = 0.0 if material is None else material.density
-        parts = {"thickness": thickness if stack is None else stack.thickness}
-        self._part: Ints = np.zeros(len(mesh.triangles), dtype=np.int32)  # which thickness each triangle has
-        if isinstance(thickness, Mapping) and stack is None:
-            parts = {f'thickness of "{name}"': value for name, value in thickness.items()}
-            self._part = _triangle_parts(mesh, list(thickness))
-        self._parts = list(parts.items())
-        self.constant_per_triangle = all(is_constant(value) for value in parts.values())
+    def __init__(self, mesh: Mesh, parts: list[Part], part: Ints) -> None:
+        """`part` (triangle,) says which of the parts each triangle has; thicknesses are checked over the whole mesh."""
+        self._mesh, self.parts, self._part = mesh, parts, part
+        self.constant_per_triangle = all(one.constant for one in parts)
         self._uniform = self.constant_per_triangle and len(parts) == 1
         self._check_everywhere()
         self._require_regular()
 
     def on(self, mesh: Mesh) -> Section:
         """The same on a mesh with vertices moved."""
-        return Section(mesh, *self._given)
-
-    @property
-    def laminate(self) -> Laminate | None:
-        """The layers, where it has some."""
-        return self._stack
+        return Section(mesh, self.parts, self._part)
 
     @property
     def uniform(self) -> bool:
         """Whether thickness and stiffness are the same everywhere."""
         return self._uniform
 
+    @property
+    def coupling_ratio(self) -> float:
+        """The largest size of B against sqrt(A D): 0 where no part is lopsided about its middle."""
+        return max(part.coupled for part in self.parts)
+
+    @property
+    def has_stress(self) -> bool:
+        """Whether stresses are known everywhere; not where a stiffness is given without its thickness."""
+        return all(part.has_stress for part in self.parts)
+
+    def _gather(
+        self, triangles: Ints, points: Floats, shape: tuple[int, ...], of: Callable[[Part, Floats], Floats]
+    ) -> Floats:
+        """What the part of each triangle has, of its thickness at points (n, q, 3): (n, q, *shape)."""
+        if len(self.parts) == 1:
+            return of(self.parts[0], self._thickness(self.parts[0], points))
+        result = np.empty((*points.shape[:-1], *shape))
+        mine = self._part[triangles]
+        for number, part in enumerate(self.parts):
+            here = np.flatnonzero(mine == number)
+            if len(here):
+                result[here] = of(part, self._thickness(part, points[here]))
+        return result
+
+    @staticmethod
+    def _thickness(part: Part, points: Floats) -> Floats:
+        t = values_at(part.thickness, points, what=part.what)
+        if t.size and not t.min() > 0.0:
+            worst = points.reshape(-1, 3)[t.argmin()]
+            raise InputError(
+                f"{part.what}: {show(part.thickness)} is {t.min():g} at {place(worst)}: it must be > 0"
+            )
+        return t
+
     def thickness(self, triangles: Ints, points: Floats) -> Floats:
-        """Thickness at points of triangles.
+        """Thickness at points of triangles; of a stiffness without thickness that of a homogeneous plate alike.
 
         Parameters
         ----------
@@ -86,49 +109,56 @@ class Section:
         -------
         (n, q) array, > 0.
         """
-        result = np.empty(points.shape[:-1])
-        part = self._part[triangles]
-        for number, (what, value) in enumerate(self._parts):
-            mine = slice(None) if len(self._parts) == 1 else np.flatnonzero(part == number)
-            here = points[mine]
-            t = values_at(value, here, what=what)
-            if t.size and not t.min() > 0.0:
-                worst = here.reshape(-1, 3)[t.argmin()]
-                raise InputError(f"{what}: {show(value)} is {t.min():g} at {place(worst)}: it must be > 0")
-            result[mine] = t
-        return result
+        return self._gather(triangles, points, (), lambda part, t: t)
 
     def bending(self, triangles: Ints, points: Floats) -> Floats:
         """(n, q, 3, 3) stiffness D at points (n, q, 3) of triangles (n,), force times length."""
-        if self._stack is not None:
-            return np.broadcast_to(self._stack.D, (*points.shape[:-1], 3, 3))
-        return (self.thickness(triangles, points) ** 3 / 12.0)[..., None, None] * self._Q
+        return self._gather(triangles, points, (3, 3), lambda part, t: part.bending(t))
 
     def membrane(self, triangles: Ints, points: Floats) -> Floats:
         """(n, q, 3, 3) stiffness A at points (n, q, 3) of triangles (n,), force per length."""
-        if self._stack is not None:
-            return np.broadcast_to(self._stack.A, (*points.shape[:-1], 3, 3))
-        return self.thickness(triangles, points)[..., None, None] * self._Q
+        return self._gather(triangles, points, (3, 3), lambda part, t: part.membrane(t))
+
+    def coupling(self, triangles: Ints, points: Floats) -> Floats:
+        """(n, q, 3, 3) stiffness B, force; zero unless parts are not symmetric about their middle."""
+        return self._gather(triangles, points, (3, 3), lambda part, t: part.coupling(t))
+
+    @cached_property
+    def without_shear(self) -> str:
+        """Why the transverse shear stiffness is not known, in words; empty where it is."""
+        for part in self.parts:
+            if part.shear(np.ones(1)) is None:
+                return (
+                    f"{part.what}: the transverse shear stiffness is not known: give S of a section, G13 and G23 of an "
+                    "orthotropic material, or C with six rows"
+                )
+        return ""
+
+    def shear(self, triangles: Ints, points: Floats) -> Floats:
+        """(n, q, 2, 2) transverse shear stiffness S, force per length, where `without_shear` is empty."""
+
+        def of(part: Part, t: Floats) -> Floats:
+            found = part.shear(t)
+            if found is None:
+                raise ValueError(self.without_shear)
+            return found
+
+        return self._gather(triangles, points, (2, 2), of)
 
     @property
-    def coupling(self) -> Floats:
-        """(3, 3) stiffness B, force; zero unless layers are not symmetric about their middle."""
-        return np.zeros((3, 3)) if self._stack is None else self._stack.B
-
-    @property
-    def moduli(self) -> tuple[Floats, Floats, Floats]:
-        """Plane-stress stiffness Q at the bottom, in the middle and at the top."""
-        if self._stack is None:
-            return self._Q, self._Q, self._Q
-        return self._stack.bottom, self._stack.middle, self._stack.top
+    def moduli(self) -> list[Floats]:
+        """(3, 3) matrices that depend on directions where the section does."""
+        return [matrix for part in self.parts for matrix in part.moduli]
 
     @property
     def stiffness_ratio(self) -> float:
         """The stiffest bending over the softest one; 2 / (1 + nu) of an isotropic plate with nu near -1."""
         shear = np.diag([1.0, 1.0, np.sqrt(2.0)])  # makes the norm of (w_xx, w_yy, 2 w_xy) that of the tensor
-        law = shear @ (self._Q if self._stack is None else self._stack.D) @ shear
-        value = np.linalg.eigvalsh(law)
-        return float(value[-1] / value[0]) if value[0] > 0.0 else np.inf
+        ratios = []
+        for part in self.parts:
+            value = np.linalg.eigvalsh(shear @ part.laws[-1] @ shear)
+            ratios.append(float(value[-1] / value[0]) if value[0] > 0.0 else np.inf)
+        return max(ratios)
 
     def bending_per_triangle(self) -> Floats:
         """(triangle, 3, 3) stiffness D, where `constant_per_triangle` holds."""
@@ -142,9 +172,17 @@ class Section:
 
     def mass(self, triangles: Ints, points: Floats) -> Floats:
         """(n, q) mass per area at points (n, q, 3) of triangles (n,)."""
-        if self._stack is not None:
-            return np.full(points.shape[:-1], self._stack.mass)
-        return self._density * self.thickness(triangles, points)
+        return self._gather(triangles, points, (), lambda part, t: part.mass(t))
+
+    def stress(self, face: int, triangles: Ints, points: Floats) -> tuple[Floats, Floats]:
+        """(P, R), (n, q, 3, 3) each: the stress is P E + R kappa at the bottom (-1), in the middle (0), at the top (1).
+
+        E is the strain of the middle of the material, kappa the change of curvature.
+        """
+        both = self._gather(
+            triangles, points, (3, 6), lambda part, t: np.concatenate(part.stress(face, t), axis=-1)
+        )
+        return both[..., :3], both[..., 3:]
 
     def stress_factors(self, triangles: Ints, points: Floats) -> tuple[Floats, Floats]:
         """Factors (n, q, 3, 3) F of the stress sigma = F w'' at the top (z = t/2) and at the bottom.
@@ -152,10 +190,8 @@ class Section:
         For one isotropic material sigma = F w'' equals 12 M z / t^3. Initial curvature is subtracted from
         w'' by the caller.
         """
-        half = 0.5 * self.thickness(triangles, points)[..., None, None]
-        if self._stack is not None:
-            return -half * self._stack.top, half * self._stack.bottom
-        return -half * self._Q, half * self._Q
+        top, bottom = (-self.stress(face, triangles, points)[1] for face in (TOP, BOTTOM))
+        return top, bottom
 
     @property
     def _centroids(self) -> Floats:
@@ -163,8 +199,7 @@ class Section:
 
     def _require_regular(self) -> None:
         """Refuse elastic constants whose softest part is lost in the rounding of the stiffest."""
-        laws = (self._Q,) if self._stack is None else (self._stack.A, self._stack.D)
-        for law in laws:
+        for law in (law for part in self.parts for law in part.laws):
             value = np.linalg.eigvalsh(law) if np.isfinite(law).all() else np.full(3, np.nan)
             if not value[0] > value[-1] * SOFTEST:
                 raise InputError(
@@ -183,63 +218,33 @@ class Section:
 
 
 def plate_section(
-    mesh: Mesh,
-    thickness: Any = None,
-    material: Material | None = None,
-    layers: Sequence[Layer] | None = None,
+    mesh: Mesh, thickness: Any = None, material: Any = None, layers: Any = None, section: Any = None
 ) -> Section:
     """The cross-section of a plate.
 
     Parameters
     ----------
     mesh : Mesh
-    thickness : number, expression in x, y, z, callable, or dict of group name to one of these
+    thickness : number, expression in x, y, z, or callable
     material : Material
     layers : sequence of Layer
         Bottom to top, instead of thickness and material.
+    section : kshell.material.given.Section
+        Instead of thickness and material. Each may be a dict of surface group to one of these.
 
     Raises
     ------
     InputError
-        If the thickness is not positive somewhere, the groups do not cover every triangle exactly once,
-        or the laminate is not symmetric about its middle.
+        If the thickness is not positive somewhere, a triangle has no section or several, or one is not symmetric
+        about its middle.
     """
-    if layers is not None:
-        require_symmetric(laminate(layers))
-    return shell_section(mesh, thickness, material, layers)
+    found = shell_section(mesh, thickness, material, layers, section)
+    require_symmetric(found.coupling_ratio)
+    return found
 
 
 def shell_section(
-    mesh: Mesh,
-    thickness: Any = None,
-    material: Material | None = None,
-    layers: Sequence[Layer] | None = None,
+    mesh: Mesh, thickness: Any = None, material: Any = None, layers: Any = None, section: Any = None
 ) -> Section:
-    """The cross-section of a shell: as `plate_section`, but layers need not be symmetric."""
-    if layers is None:
-        return Section(mesh, thickness, material, None)
-    return Section(mesh, None, None, laminate(layers))
-
-
-def _triangle_parts(mesh: Mesh, names: list[str]) -> Ints:
-    """(triangle,) position in `names` of the group that each triangle belongs to."""
-    part = np.full(len(mesh.triangles), -1, dtype=np.int32)
-    for number, name in enumerate(names):
-        members = select(mesh, name, dimensions=(2,), what="thickness").members
-        taken = members[part[members] >= 0]
-        if len(taken):
-            where = place(mesh.points[mesh.triangles[taken[0]]].mean(axis=0))
-            raise InputError(
-                f'thickness: the groups "{names[part[taken[0]]]}" and "{name}" overlap '
-                f"({len(taken)} triangles, one at {where}): each place needs one thickness"
-            )
-        part[members] = number
-    bare = np.flatnonzero(part < 0)
-    if len(bare):
-        where = place(mesh.points[mesh.triangles[bare[0]]].mean(axis=0))
-        raise InputError(
-            f"thickness: {len(bare)} triangles belong to none of the groups {listing(names)} "
-            f"(one at {where}): give the thickness of the rest; the surface groups "
-            f"are {listing(name for name, group in mesh.groups.items() if group.dimension == 2)}"
-        )
-    return part
+    """The cross-section of a shell: as `plate_section`, but it need not be symmetric."""
+    return Section(mesh, *parts_of(mesh, thickness, material, layers, section))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -118,19 +118,20 @@ def motion_fields(problem: PlateProblem, d: Floats) -> Deferred[Floats]:
 def vertex_fields(fields: Fields) -> Deferred[Floats]:
     """All fields at the rows of vertices, with stresses and principal values derived from the moments."""
     vertex = fields.rows.vertex
-    return Deferred(
-        {
-            "displacement": lambda: fields.vertex_displacement[vertex],
-            "rotation": lambda: fields.vertex_rotation[vertex],
-            "moment": lambda: fields.fan_forces[0],
-            "shear": lambda: fields.fan_forces[1],
+    makers: dict[str, Callable[[], Floats]] = {
+        "displacement": lambda: fields.vertex_displacement[vertex],
+        "rotation": lambda: fields.vertex_rotation[vertex],
+        "moment": lambda: fields.fan_forces[0],
+        "shear": lambda: fields.fan_forces[1],
+    }
+    if fields.section.has_stress:
+        makers |= {
             "stress_top": lambda: fields.fan_stresses[0],
             "stress_bottom": lambda: fields.fan_stresses[1],
             "von_mises_top": lambda: von_mises(fields.fan_stresses[0]),
             "von_mises_bottom": lambda: von_mises(fields.fan_stresses[1]),
-            "principal_moments": lambda: principal(fields.fan_forces[0]),
         }
-    )
+    return Deferred({**makers, "principal_moments": lambda: principal(fields.fan_forces[0])})
 
 
 def cell_fields(section: Section, domain: Domain, fields: Fields) -> Deferred[NDArray[Any]]:

@@ -64,8 +64,7 @@ class PlateProblem:
         self.structure, self.mesh, self.section = structure, structure.space, structure.section
         self.element = element
         plate_problems(self.mesh)
-        if self.section.laminate is not None:
-            require_symmetric(self.section.laminate)
+        require_symmetric(self.section.coupling_ratio)
         quintic = element.maxdeg > 2
         self.lines = inner_lines(structure) if quintic else None
         followed = None if self.lines is None else np.flatnonzero(self.lines.lines)

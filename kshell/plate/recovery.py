@@ -248,16 +248,18 @@ class Fields:
         w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
         gradient = self.derivatives(found.triangles, found.xi, 1)[:, 0]
         moment, shear = self._forces(found)
-        top, bottom = self.stresses(moment, found.triangles, found.xy)
         zero = np.zeros_like(w)
+        stresses = {}
+        if self.section.has_stress:
+            top, bottom = self.stresses(moment, found.triangles, found.xy)
+            stresses = {"stress_top": top, "stress_bottom": bottom}
         return {
             "x": points_3d(self.domain, found.xy),
             "u": np.stack([zero, zero, w], axis=1),
             "rotation": np.stack([gradient[:, 1], -gradient[:, 0], zero], axis=1),
             "M": moment,
             "Q": shear,
-            "stress_top": top,
-            "stress_bottom": bottom,
+            **stresses,
             "distance": found.distance,
         }
 

@@ -62,7 +62,7 @@ def curved(scene: Scene, mesh: Mesh) -> Mesh:
     from kshell.mesh.curving.decision import curve
 
     try:
-        section = shell_section(mesh, scene.thickness, scene.material, scene.layers)
+        section = shell_section(mesh, scene.thickness, scene.material, scene.layers, scene.section)
     except InputError:
         return mesh  # said with all else that is wrong with the section where it is used
     centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]

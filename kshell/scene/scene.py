@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator
 
 from kshell.errors import InputError
-from kshell.material.laminate import Layer
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import shown
 from kshell.scene.cases import Case, Combination, load_factors
@@ -26,30 +25,22 @@ from kshell.scene.line import Line
 from kshell.scene.loads import Load
 from kshell.scene.motion import damping, initial_velocity
 from kshell.scene.options import SolveOptions
-from kshell.scene.places import Point, as_point, as_scalar
+from kshell.scene.places import Point, as_point
+from kshell.scene.sections import (
+    as_direction,
+    as_layers,
+    as_material,
+    as_offset,
+    as_section,
+    as_thickness,
+    by_group,
+    densities,
+    require_one_section,
+)
 from kshell.scene.supports import Support
 from kshell.scene.toml import apply_override, inside, read_toml, scene_arguments
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import Number, described
-
-
-def _thickness(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        if not value:
-            raise ValueError("must name at least one surface group")
-        return {str(name): _as_thickness(part, f'for "{name}" ') for name, part in value.items()}
-    return None if value is None else _as_thickness(value, "")
-
-
-def _as_thickness(value: Any, whose: str) -> Any:
-    wanted = "must be a number > 0, an expression in x, y, z, or a function f(x, y, z)"
-    if isinstance(value, str) or callable(value):
-        return as_scalar(value)
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-        raise ValueError(f"{whose}{wanted}")
-    if not (np.isfinite(value) and value > 0):
-        raise ValueError(f"{whose}must be a finite number > 0")
-    return float(value)
 
 
 def _mesh(value: Any) -> Any:
@@ -86,16 +77,7 @@ def _top_towards(value: Any) -> Any:
         if set(value) != {"point"}:
             raise ValueError("must be a direction [x, y, z] or {point = [x, y, z]}")
         return {"point": as_point(value["point"])}
-    return _direction(value)
-
-
-def _direction(value: Any) -> Any:
-    if value is None:
-        return None
-    direction = as_point(value)
-    if not any(direction):
-        raise ValueError("must not be zero")
-    return direction
+    return None if value is None else as_direction(value, "")
 
 
 def _cuts(value: Any) -> Any:
@@ -125,12 +107,14 @@ class Scene:
     ----------
     mesh : path, kshell.Mesh, skfem.MeshTri or meshio.Mesh
         .msh of order 1 or 2, .geo .step .brep (meshed by gmsh), .inp .bdf .med .unv .obj .stl and others.
-    thickness : number, expression in x, y, z, callable f(x, y, z), or dict of surface group to one of these
-        Not together with `layers`.
+    thickness : number, expression in x, y, z, or callable f(x, y, z)
+        Not together with `layers` or `section`. This, material, layers, section, offset and direction may be a dict of
+        surface group to value; the group "*" in it stands for all other triangles.
     material : Isotropic, Orthotropic or Anisotropic
-        Not together with `layers`.
     layers : sequence of Layer
-        Bottom to top; the top is on the side of the normal.
+        Bottom to top, instead of thickness and material; the top is on the side of the normal.
+    section : Section
+        Stiffness given directly, instead of thickness and material.
     chart : kshell.geometry.Chart or dict with its kind and constants, optional
         The mesh lies in the plane z = 0 of its parameters u, v. Loads, points and probes are in x, y, z as usual.
     offset : float
@@ -182,15 +166,15 @@ class Scene:
     """
 
     mesh: Annotated[Any, BeforeValidator(_mesh)]
-    thickness: Annotated[Any, BeforeValidator(_thickness)] = None
-    material: Any = None
+    thickness: Annotated[Any, BeforeValidator(by_group(as_thickness))] = None
+    material: Annotated[Any, BeforeValidator(by_group(as_material))] = None
     supports: Any = ()
     loads: Any = ()
     probes: Annotated[dict[str, Point], BeforeValidator(_probes)] = field(default_factory=dict)
-    layers: Any = None
+    layers: Annotated[Any, BeforeValidator(by_group(as_layers))] = None
     chart: Annotated[Any, BeforeValidator(_chart)] = None
-    offset: Number = 0.0
-    direction: Annotated[Any, BeforeValidator(_direction)] = None
+    offset: Annotated[Any, BeforeValidator(by_group(as_offset))] = 0.0
+    direction: Annotated[Any, BeforeValidator(by_group(as_direction))] = None
     imperfection: Any = None
     mesh_size: Number | None = None
     mesh_order: Literal["auto", 1, 2] = "auto"
@@ -206,6 +190,7 @@ class Scene:
     damping: Any = None
     title: str = ""
     solve: Any = field(default_factory=SolveOptions)
+    section: Annotated[Any, BeforeValidator(by_group(as_section))] = None
 
     def __post_init__(self) -> None:
         for key, cls, words in (
@@ -216,8 +201,6 @@ class Scene:
             ("lines", Line, "a ks.Line(...)"),
         ):
             object.__setattr__(self, key, _all_of(getattr(self, key), cls, key, words))
-        if self.layers is not None:
-            object.__setattr__(self, "layers", _all_of(self.layers, Layer, "layers", "a ks.Layer(...)"))
         if isinstance(self.imperfection, Mapping):
             object.__setattr__(self, "imperfection", Imperfection(**self.imperfection))
         if not isinstance(self.imperfection, Imperfection | None):
@@ -231,7 +214,7 @@ class Scene:
             object.__setattr__(self, "solve", SolveOptions(**self.solve))
         if not isinstance(self.solve, SolveOptions):
             raise InputError(f"scene: solve = {shown(self.solve)}: must be a dict of the keys of [solve]")
-        self._require_one_section()
+        require_one_section(self)
         load_factors(self.loads, self.cases, self.combinations)  # every name in them exists
         if len({line.name for line in self.lines}) < len(self.lines):
             raise InputError("scene: two lines have the same name: give each its own")
@@ -244,31 +227,10 @@ class Scene:
                 "scene: geometry and chart given: each says how the shell is curved, leave one out"
             )
 
-    def _require_one_section(self) -> None:
-        if self.layers is not None:
-            given = [key for key in ("thickness", "material") if getattr(self, key) is not None]
-            if given:
-                raise InputError(
-                    f"scene: layers and {' and '.join(given)} given: layers have their own, leave them out"
-                )
-            if not self.layers:
-                raise InputError("scene: layers is empty: give at least one layer")
-            return
-        if self.thickness is None:
-            raise InputError("scene: thickness is missing: give the thickness of the plate, or layers")
-        if self.material is None:
-            raise InputError("scene: material is missing: give one, e.g. ks.Isotropic(E=210e9, nu=0.3)")
-        if not hasattr(self.material, "plane_stress"):
-            raise InputError(
-                f"scene: material = {shown(self.material)}: must be ks.Isotropic(...), ks.Orthotropic(...) "
-                "or ks.Anisotropic(...)"
-            )
-
     @property
     def density_missing(self) -> bool:
-        """Whether some material has no density, so gravity would do nothing there."""
-        materials = [self.material] if self.layers is None else [layer.material for layer in self.layers]
-        return any(material.density == 0.0 for material in materials)
+        """Whether some material or section has no mass, so gravity would do nothing there."""
+        return any(density == 0.0 for density in densities(self))
 
     @property
     def case_factors(self) -> dict[str, NDArray[np.float64]]:

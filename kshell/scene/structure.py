@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.material.by_group import per_triangle
 from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
@@ -96,7 +97,11 @@ class Structure:
         In the order of the scene; loads are known by their numbers in it.
     probes : dict of str to (x, y, z)
     chart : Chart, optional
-    offset, direction, imperfection :
+    offset : (triangle,)
+        Height of the middle of the material above the mesh.
+    direction : (3,) or (triangle, 3), optional
+        From which the angles of materials count; NaN where there is none.
+    imperfection :
         As in a scene.
     title : str
     movable : bool
@@ -110,8 +115,8 @@ class Structure:
     loads: tuple[Placed[Load], ...] = ()
     probes: Mapping[str, Point] = field(default_factory=dict)
     chart: Any = None
-    offset: float = 0.0
-    direction: Point | None = None
+    offset: Floats = field(default_factory=lambda: np.zeros(1))
+    direction: Floats | None = None
     imperfection: Imperfection | None = None
     title: str = ""
     movable: bool = False
@@ -156,16 +161,22 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     return Structure(
         space,
         mesh,
-        shell_section(space, scene.thickness, scene.material, scene.layers),
+        shell_section(space, scene.thickness, scene.material, scene.layers, scene.section),
         supports,
         loads,
         scene.probes,
         scene.chart,
-        scene.offset,
-        scene.direction,
+        per_triangle(space, "offset", scene.offset, 0.0),
+        _directions(scene.direction, space),
         scene.imperfection,
         scene.title,
     )
+
+
+def _directions(given: Any, mesh: Mesh) -> Floats | None:
+    if given is None or not isinstance(given, Mapping):
+        return None if given is None else np.array(given, dtype=float)
+    return per_triangle(mesh, "direction", given, (np.nan, np.nan, np.nan))
 
 
 def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
@@ -176,7 +187,7 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
         yield str(error)
         return
     try:
-        shell_section(space, scene.thickness, scene.material, scene.layers)
+        shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
     except InputError as error:
         yield str(error)
     try:

@@ -103,6 +103,21 @@ class SimplySupported(Support):
     fixed: Flag = False
 
 
+@described("support soft_supported")
+class SoftSupported(SimplySupported):
+    """As simply_supported, but the twist about the normal of the edge is not held either.
+
+    The theory does not tell the two apart (w = 0 along an edge holds its twist): both have the same solution. In a
+    plate that shears they differ, which the shear entry of the error budget tells.
+    """
+
+    kind: ClassVar[str] = "soft_supported"
+    on: On
+    value: ScalarOrVector | None = None
+    freedoms: str = field(default="xyz", init=False, repr=False)
+    fixed: Flag = False
+
+
 @described("support symmetry")
 class Symmetry(Support):
     """A plane of symmetry: no translation across it and no rotation about the edge."""
@@ -262,5 +277,5 @@ def _require_matching_value(freedoms: str, value: Any) -> None:
 
 
 SUPPORTS: dict[str, type[Any]] = {
-    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, RigidLink, Fixed, Elastic)
+    cls.kind: cls for cls in (Clamped, SimplySupported, SoftSupported, Symmetry, Free, Hinge, RigidLink, Fixed, Elastic)
 }

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from kshell.errors import InputError
+from kshell.material.given import Section
 from kshell.material.laminate import Layer
 from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
 from kshell.mesh.words import clipped, is_folder, shown
@@ -19,7 +20,8 @@ from kshell.scene.loads import LOADS
 from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point
-from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, RigidLink, SimplySupported, Symmetry
+from kshell.scene.sections import merged_groups
+from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, RigidLink, SimplySupported, SoftSupported, Symmetry
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import unknown_key
 
@@ -42,6 +44,8 @@ KEYS = [
     *SIMPLE_KEYS[1:],
     "layer",
     "material",
+    "section",
+    "group",
     "chart",
     "imperfection",
     "support",
@@ -57,7 +61,7 @@ KEYS = [
 ]
 LINE_KEYS = ["name", "from", "to", "n"]
 NAMED_SUPPORTS = {
-    cls.kind: cls for cls in (Clamped, SimplySupported, Symmetry, Free, Hinge, RigidLink, Elastic)
+    cls.kind: cls for cls in (Clamped, SimplySupported, SoftSupported, Symmetry, Free, Hinge, RigidLink, Elastic)
 }
 
 
@@ -190,6 +194,16 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
             arguments["material"] = material_from_dict(_table(data["material"]))
     if "layer" in data:
         arguments["layers"] = _each(data["layer"], "layer", source, layer_from_dict)
+    if "section" in data:
+        with inside(f"{source}, [section]", "section: "):
+            arguments["section"] = Section(**_table(data["section"]))
+    if "group" in data:
+        blocks = {}
+        for name, block in _table(data["group"]).items():
+            with inside(f"{source}, [group.{name}]"):
+                blocks[name] = group_from_dict(_table(block))
+        with inside(source):
+            merged_groups(blocks, arguments)
     if "chart" in data:
         with inside(f"{source}, [chart]"):
             arguments["chart"] = chart_from_dict(_table(data["chart"]))
@@ -236,6 +250,30 @@ def layer_from_dict(data: dict[str, Any]) -> Layer:
     """A layer: material keys, thickness and angle."""
     layer = {key: data.pop(key) for key in ("thickness", "angle") if key in data}
     return Layer(material=material_from_dict(data), **layer)
+
+
+GROUP_KEYS = ("thickness", "material", "layer", "section", "offset", "direction")
+
+
+def group_from_dict(data: dict[str, Any]) -> dict[str, Any]:
+    """What a block [group.NAME] says, as arguments of Scene."""
+    for key in data:
+        if key not in GROUP_KEYS:
+            raise InputError(unknown_key(key, list(GROUP_KEYS)))
+    out: dict[str, Any] = {key: data[key] for key in ("thickness", "offset", "direction") if key in data}
+    if "material" in data:
+        out["material"] = material_from_dict(_table(data["material"]))
+    if "layer" in data:
+        out["layers"] = [layer_from_dict(dict(_table(layer))) for layer in _blocks(data["layer"])]
+    if "section" in data:
+        out["section"] = Section(**_table(data["section"]))
+    return out
+
+
+def _blocks(value: Any) -> list[Any]:
+    if not isinstance(value, list):
+        raise InputError("write [[group.NAME.layer]] with double brackets: there may be several")
+    return value
 
 
 def chart_from_dict(data: dict[str, Any]) -> Any:

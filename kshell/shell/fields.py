@@ -39,7 +39,7 @@ class ShellFields:
     recovery : of the discretisation
         With `resultants(points, triangles)` and `displacement(points, triangles)`.
     section : kshell.material.section.Section
-    offset : float
+    offset : (triangle,)
         Of the middle of the material above the mesh.
     patches : (triangle,) int array
         Smooth pieces, over which values are averaged.
@@ -53,7 +53,7 @@ class ShellFields:
         mesh: Mesh,
         recovery: Any,
         section: Section,
-        offset: float,
+        offset: Floats,
         patches: Ints,
         corner_angles: Floats,
         find: Callable[[Floats], Nearest],

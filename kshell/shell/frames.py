@@ -28,8 +28,9 @@ def tangent_frame(
 
     Parameters
     ----------
-    direction : (3,), optional
-        Projected onto the tangent plane to give e_1. Without it the global x, or y where x is normal.
+    direction : (3,) or (triangle, 3), optional
+        Projected onto the tangent plane to give e_1. Without it, and where it is NaN, the global x, or y where x is
+        normal. One per triangle where the first axis after the components counts triangles.
     angle : float or array
         Turns the frame about the normal, in radians.
 
@@ -46,15 +47,27 @@ def tangent_frame(
         a = np.reshape(axis, column)
         return a - n * dot(a, n)
 
-    if direction is None:
+    def default() -> Floats:
         first = project(np.array([1.0, 0.0, 0.0]))
         second = project(np.array([0.0, 1.0, 0.0]))
-        first = np.where(norm(first) < SHORTEST_PROJECTION, second, first)
+        return np.where(norm(first) < SHORTEST_PROJECTION, second, first)
+
+    if direction is None:
+        first = default()
     else:
-        first = project(np.asarray(direction, float) / np.linalg.norm(direction))
-        if np.min(norm(first)) < SHORTEST_PROJECTION:
+        unit = np.asarray(direction, float) / np.linalg.norm(direction, axis=-1, keepdims=True)
+        if unit.ndim == 2:
+            unit = unit.T.reshape(3, -1, *(1,) * (n.ndim - 2))
+            first = unit - n * dot(unit, n)
+            first = np.where(np.isnan(first), default(), first) if np.isnan(unit).any() else first
+        else:
+            first = project(unit)
+        size = norm(first)
+        if np.min(size) < SHORTEST_PROJECTION:
+            bad = np.broadcast_to(unit.reshape(3, *unit.shape[1:] or (1,) * (n.ndim - 1)), n.shape)
+            x, y, z = bad.reshape(3, -1)[:, int(np.argmin(size))]
             raise InputError(
-                f"the reference direction ({direction[0]:g}, {direction[1]:g}, {direction[2]:g}) of the material "
+                f"the reference direction ({x:g}, {y:g}, {z:g}) of the material "
                 "axes is normal to the surface somewhere: choose another direction for that part"
             )
     first = first / norm(first)

@@ -112,18 +112,20 @@ class ShellProblem:
 
     def _stiffness(self) -> Stiffness:
         """A, B, D about the meshed surface, offset below the middle of the material."""
-        section, z = self.section, self.structure.offset
+        section, offset = self.section, self.structure.offset
+        uniform = section.uniform and np.ptp(offset) == 0.0
 
         def at(triangles: NDArray[np.integer], points: Floats) -> tuple[Floats, Floats, Floats]:
             a, b, d = (
                 section.membrane(triangles, points),
-                section.coupling,
+                section.coupling(triangles, points),
                 section.bending(triangles, points),
             )
+            z = offset[triangles][:, None, None, None]
             return a, b + z * a, d + 2 * z * b + z * z * a
 
         triangles = np.arange(len(self.space.triangles))
-        points, weight = self.discretisation.interior_points(triangles[:1] if section.uniform else triangles)
+        points, weight = self.discretisation.interior_points(triangles[:1] if uniform else triangles)
         triangles = triangles[: len(points)]
         weight = (weight / weight.sum(axis=1, keepdims=True))[..., None, None]
         a, b, d = ((weight * m).sum(axis=1) for m in at(triangles, points))

@@ -69,17 +69,18 @@ class Resultants(NamedTuple):
         n = self.section_force
         return np.stack([n[..., 0, 0], n[..., 1, 1], 0.5 * (n[..., 0, 1] + n[..., 1, 0])], axis=-1)
 
-    def stress(self, stiffness: ArrayLike, height: ArrayLike) -> Floats:
-        """Stress (..., 3) in the frame at a height above the meshed surface.
+    def stress(self, strained: Floats, curved: Floats, middle: ArrayLike) -> Floats:
+        """Stress (..., 3) in the frame.
 
         Parameters
         ----------
-        stiffness : (3, 3) or (triangle, 1, 3, 3)
-            Plane-stress stiffness of the material there, in the material axes of the section.
-        height : float or (triangle, 1)
+        strained, curved : (..., 3, 3)
+            Stress of a strain of the middle of the material, and of a change of curvature, in the material axes.
+        middle : float or (triangle, 1)
+            Height of the middle of the material above the meshed surface.
         """
-        z = np.asarray(height, dtype=float)[..., None]
-        stress = np.asarray(stiffness, dtype=float) @ (self.strain + z * self.curvature)[..., None]
+        z = np.asarray(middle, dtype=float)[..., None]
+        stress = strained @ (self.strain + z * self.curvature)[..., None] + curved @ self.curvature[..., None]
         return (self.to_frame @ stress)[..., 0]
 
 
@@ -108,7 +109,7 @@ def resultants_in_frame(
     """
     a, b, _, angle = section_at(section, chosen, lambda: position)
     force = a @ e[..., None] + b @ kappa[..., None]
-    e1, e2, _ = tangent_frame(x, section.direction, angle)
+    e1, e2, _ = tangent_frame(x, section.direction_of(chosen), angle)
     axes = np.stack(tangent_frame(x))
     turn = np.stack([np.stack([dot(axes[i], e1), dot(axes[i], e2)]) for i in range(2)])
     to_frame = np.moveaxis(contravariant_to_frame(turn), (0, 1), (2, 3))

@@ -32,8 +32,8 @@ class Section:
         A, B, D: force per length, force, force times length.
     angle : (1 or triangle,)
         From the reference direction to the first material axis, in radians, positive about the normal.
-    direction : (3,) or None
-        Reference direction in space, projected onto the surface. None: the global x, or y where x is normal.
+    direction : (3,), (triangle, 3) or None
+        Reference direction in space, projected onto the surface. None, or NaN: the global x, or y where x is normal.
     varying : function, optional
         A, B, D (triangle, point, 3, 3) at points (triangle, point, 3) of triangles, where they vary inside triangles;
         the arrays above are means then.
@@ -45,6 +45,11 @@ class Section:
     angle: Floats
     direction: Floats | None = None
     varying: Varying | None = None
+
+    def direction_of(self, triangles: slice | NDArray) -> Floats | None:
+        """The reference direction of triangles: one for all (3,), or one each (n, 3)."""
+        several = self.direction is not None and self.direction.ndim == 2
+        return self.direction[triangles] if several and self.direction is not None else self.direction
 
     @classmethod
     def from_stiffness(

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.material.section import Section
+from kshell.material.section import BOTTOM, MIDDLE, TOP, Section
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
@@ -46,25 +46,28 @@ class Recovered:
     recovery : of the discretisation
         With `resultants(points, triangles)` and `displacement(points, triangles)`.
     section : kshell.material.section.Section
-    offset : float
+    offset : (triangle,)
         Of the middle of the material above the mesh.
     """
 
     recovery: Any
     section: Section
-    offset: float
+    offset: Floats
 
     def tensors(self, points: Floats, triangles: Ints) -> tuple[Resultants, dict[str, Floats]]:
         """Resultants, and N, M and stresses (triangle, point, 3) by name, at reference points."""
         found = self.recovery.resultants(points, triangles)
-        half = 0.5 * self.section.thickness(triangles, found.position)
         out = {
             "membrane_force": found.membrane_force,
             "membrane_stress_resultant": found.membrane_stress_resultant,
             "moment": found.moment,
         }
-        for face, stiffness, side in zip(FACES, self.section.moduli, (-1.0, 0.0, 1.0), strict=True):
-            out[f"stress_{face}"] = found.stress(stiffness, self.offset + side * half)
+        if self.section.has_stress:
+            middle = self.offset[triangles][:, None]
+            for face, side in zip(FACES, (BOTTOM, MIDDLE, TOP), strict=True):
+                out[f"stress_{face}"] = found.stress(
+                    *self.section.stress(side, triangles, found.position), middle
+                )
         return found, out
 
     def shear(self, points: Floats, triangles: Ints) -> Floats:
@@ -122,17 +125,18 @@ class VertexFields:
     @cached_property
     def fields(self) -> Deferred[Floats]:
         """Fields at vertices, names as in `Result.fields`."""
+        faces = FACES if self.recovered.section.has_stress else ()
         spatial = (
             "membrane_force",
             "membrane_stress_resultant",
             "moment",
-            *(f"stress_{face}" for face in FACES),
+            *(f"stress_{face}" for face in faces),
         )
         makers: dict[str, Callable[[], Floats]] = {
             "displacement": lambda: self._at_rows(self._motion[0]),
             "rotation": lambda: self._at_rows(self.corner_rotation),
             **{name: partial(self._tensor, name) for name in spatial},
-            **{f"von_mises_{face}": partial(self._von_mises, face) for face in FACES},
+            **{f"von_mises_{face}": partial(self._von_mises, face) for face in faces},
             "principal_forces": lambda: principal(self._tensor("membrane_force")),
             "principal_moments": lambda: principal(self._tensor("moment")),
             "frame_axis_1": lambda: self._at_rows(self.corners[1])[:, 0],

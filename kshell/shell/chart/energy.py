@@ -65,7 +65,7 @@ class ChartKoiter(StrainEnergy):
         a, b, d, angle = section_at(
             self.section, triangles, lambda: np.moveaxis(surface.positions[:, triangles], 0, 2)
         )
-        e1, e2, _ = tangent_frame(x, self.section.direction, angle)
+        e1, e2, _ = tangent_frame(x, self.section.direction_of(triangles), angle)
         to_frame = np.moveaxis(covariant_to_frame(components(x, e1, e2)), (0, 1), (2, 3))
         left = np.swapaxes(to_frame, -1, -2)
         membrane, coupling, bending = (left @ m @ to_frame for m in (a, b, d))

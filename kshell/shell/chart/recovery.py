@@ -63,7 +63,9 @@ def chart_resultants(
 
     position = np.moveaxis(position, 0, 2)
     _, b, d, angle = section_at(section, chosen, lambda: position)
-    to_frame = covariant_to_frame(components(first, *tangent_frame(first, section.direction, angle)[:2]))
+    to_frame = covariant_to_frame(
+        components(first, *tangent_frame(first, section.direction_of(chosen), angle)[:2])
+    )
     e, kappa = (np.einsum("vwtp,wtp->tpv", to_frame, part) for part in (covariant[:3], covariant[3:]))
     moment = (b @ e[..., None] + d @ kappa[..., None])[..., 0]
     return resultants_in_frame(section, chosen, position, first, e, kappa, moment, second_form, stretched)

@@ -55,7 +55,7 @@ def triangle_stiffness(surface: Surface, section: Section, triangles: slice) -> 
         return np.einsum("qn,tnx->tqx", reference.values, surface.nodes[surface.triangle_nodes[triangles]])
 
     a, b, d, angle = section_at(section, triangles, places)
-    e1, e2, _ = tangent_frame(x, section.direction, angle)
+    e1, e2, _ = tangent_frame(x, section.direction_of(triangles), angle)
     f = components(x, e1, e2)
     strain = np.moveaxis(covariant_to_frame(f), (0, 1), (2, 3))  # (triangle, q, 3, 3)
     moment = np.moveaxis(contravariant_to_frame(f), (0, 1), (2, 3))

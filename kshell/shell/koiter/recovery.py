@@ -53,7 +53,7 @@ def resultants(
         "pn,tnx->tpx", lagrange(surface.order, points), surface.nodes[surface.triangle_nodes[chosen]]
     )
     _, b, d, angle = section_at(section, chosen, lambda: position)
-    f = components(x, *tangent_frame(x, section.direction, angle)[:2])
+    f = components(x, *tangent_frame(x, section.direction_of(chosen), angle)[:2])
     to_frame = covariant_to_frame(f)
 
     def strains(all_strains: Floats) -> tuple[Floats, Floats, Floats, Floats]:

@@ -1,0 +1,200 @@
+"""What a plate gains in deflection by its transverse shear, which the theory leaves out, predicted from its solution.
+
+The shear forces Q of the solution without shear store energy, and along free edges and soft supports the twisting
+moment, which the theory balances by the edge force, is released over a layer of width lambda. To first order
+
+    change of U = 1/2 int Q . S^-1 Q + int m_nt^2 lambda / (2 D66) ds,
+    change of J = int Q . S^-1 Q* + int m_nt m*_nt lambda / D66 ds,      lambda = sqrt(D66 / S_t),
+
+with Q*, m*_nt of the dual solution of the quantity J. Both integrals diverge at singular corners and under point
+forces; what is nearer than CUT thicknesses is left out, where a plate with shear has no singularity.
+
+Sources: Wang, J. Eng. Mech. 121 (1995) 1230 (plates with straight hard supports); Arnold and Falk, SIAM J. Math. Anal.
+27 (1996) 486, Haggblad and Bathe, Int. J. Numer. Meth. Eng. 29 (1990) 1055 (the layer at edges).
+
+Symbols
+-------
+Q, m_nt     shear forces, and twisting moment in the axes n, t of an edge
+S, S_t      transverse shear stiffness, and along the tangent of an edge
+D66         stiffness against twist in the axes of an edge
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements import matrices
+from kshell.equilibrium.model import Model, Solved
+from kshell.mesh.words import place
+from kshell.plate.corners import corner_angles
+from kshell.plate.loading import PointLoad
+from kshell.plate.loads import Loads
+from kshell.plate.model import PlateModel
+from kshell.plate.problem import PlateProblem
+from kshell.plate.recovery import Fields
+from kshell.plate.supports import points_3d
+from kshell.result.result import Result
+from kshell.scene.supports import Clamped, Elastic, Fixed, SimplySupported, SoftSupported, Symmetry
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CUT = 0.35  # thicknesses from singular places
+DEGREE = 6  # of the quadrature of products of shear forces, which are quadratic in a triangle
+EDGE_POINTS = 5
+# thickness over size from which a homogeneous plate is thick: its shear energy there, square and supported
+THICK = 1.0 / 20.0
+SQUARE = 5.9  # share of the shear in U of that square, over (t / L)^2
+STRAIGHT, RIGHT = np.radians(181.0), np.radians(91.0)
+
+
+@dataclass(frozen=True)
+class ShearShare:
+    """By how much shear would change an answer.
+
+    Attributes
+    ----------
+    share : float or None
+        Of the first quantity, relative and unsigned; None where it is not known.
+    energy : float or None
+        Of the strain energy.
+    why_not : str
+        Why it is not known.
+    """
+
+    share: float | None = None
+    energy: float | None = None
+    why_not: str = ""
+
+    @property
+    def size_over_thickness(self) -> float:
+        """Of the supported square whose energy shear changes by as much."""
+        return float(np.sqrt(SQUARE / self.energy)) if self.energy else np.inf
+
+    @property
+    def thick(self) -> bool:
+        """Whether the plate is thicker than THICK."""
+        return self.size_over_thickness < 1.0 / THICK
+
+    def words(self, quantity: str) -> str:
+        """A warning."""
+        share = self.energy if self.share is None else self.share
+        what = "too thick for this theory" if self.thick else "shear exceeds the tolerance"
+        return (
+            f"{what}: transverse shear, which is left out, would add about {share:.1%} to {quantity}, as in a "
+            f"supported square of {self.size_over_thickness:.2g} thicknesses"
+        )
+
+
+def shear_share(model: Model, solved: Solved, result: Result, probe: str | None) -> ShearShare:
+    """How much transverse shear would change the deflection of a probe, or the strain energy, of a linear answer."""
+    if not isinstance(model, PlateModel) or model.element != "argyris":
+        return ShearShare(
+            why_not=f"shear forces of a {model.kind} with the element {model.element} are not taken"
+        )
+    problem = model.problem
+    if problem.section.without_shear:
+        return ShearShare(why_not=problem.section.without_shear)
+    if not result.strain_energy > 0.0:
+        return ShearShare(0.0, 0.0)
+    own = problem.fields(solved.x)
+    energy = _products(problem, own, own, None) / (2.0 * result.strain_energy)
+    if probe is None:
+        return ShearShare(energy, energy)
+    at = problem.structure.probes[probe]
+    row, xy = _deflection(problem, np.array(at)[:2])
+    d = np.asarray(solved.x)
+    w = float(row @ d)
+    if not abs(w) > 1e-9 * np.abs(own.vertex_displacement).max():
+        return ShearShare(None, energy, f"the deflection at {place(np.array(at))} is zero")
+    reduction = problem.reduction.matrix()
+    z = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ row)))
+    dual = Fields(problem.domain, problem.layout, problem.bending, problem.section, Loads(), z)
+    return ShearShare(abs(_products(problem, own, dual, xy) / w), energy)
+
+
+def _products(problem: PlateProblem, own: Fields, other: Fields, near: Floats | None) -> float:
+    """int Q . S^-1 Q' + int m_nt m'_nt lambda / D66 ds, farther than CUT thicknesses from singular places."""
+    centres = _singular(problem, near)
+    total = 0.0
+    for patch in problem.domain.patches(DEGREE):
+        at = points_3d(problem.domain, patch.xy)
+        far = _far(patch.xy, centres, problem.section.thickness(patch.triangles, at))
+        q, other_q = (fields.shear(patch.triangles, patch.xi, patch.xy) for fields in (own, other))
+        strain = np.linalg.solve(problem.section.shear(patch.triangles, at), other_q[..., None])[..., 0]
+        total += float(((q * strain).sum(axis=-1) * patch.weights * far).sum())
+    edges = _soft_edges(problem)
+    if not len(edges):
+        return total
+    line = problem.domain.edge_patch(edges, EDGE_POINTS)
+    at = points_3d(problem.domain, line.xy)
+    far = _far(line.xy, centres, problem.section.thickness(line.triangles, at))
+    n = line.normal
+    t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
+    nx, ny, tx, ty = n[..., 0], n[..., 1], t[..., 0], t[..., 1]
+    twist = np.stack([nx * tx, ny * ty, nx * ty + ny * tx], axis=-1)
+    m, other_m = (
+        (fields.moment(line.triangles, line.xi, line.xy) * twist).sum(axis=-1) for fields in (own, other)
+    )
+    d66 = (twist[..., None, :] @ problem.section.bending(line.triangles, at) @ twist[..., None])[..., 0, 0]
+    along = (t[..., None, :] @ problem.section.shear(line.triangles, at) @ t[..., None])[..., 0, 0]
+    return total + float((m * other_m * np.sqrt(d66 / along) / d66 * line.weights * far).sum())
+
+
+def _far(xy: Floats, centres: Floats, thickness: Floats) -> NDArray[np.bool_]:
+    """Whether points (n, q, 2) are farther than CUT thicknesses from all centres (k, 2)."""
+    far = np.ones(xy.shape[:-1], dtype=bool)
+    for centre in centres:
+        far &= np.hypot(*np.moveaxis(xy - centre, -1, 0)) > CUT * thickness
+    return far
+
+
+def _soft_edges(problem: PlateProblem) -> Ints:
+    """Boundary edges along which the twist is not held: free, on springs, and soft supports."""
+    mesh = problem.mesh
+    hard = np.zeros(len(mesh.edges), dtype=bool)
+    for support in problem.structure.supports:
+        item, selection = support.item, support.place
+        if selection is None or selection.dimension == 0 or isinstance(item, SoftSupported | Elastic):
+            continue
+        if isinstance(item, SimplySupported | Clamped | Symmetry | Fixed) and set(item.freedoms) & set("zr"):
+            members = selection.members
+            hard[members if selection.dimension == 1 else mesh.triangle_edges[members].ravel()] = True
+    boundary = mesh.boundary_edges
+    return boundary[~hard[boundary]].astype(np.int64)
+
+
+def _singular(problem: PlateProblem, near: Floats | None) -> Floats:
+    """(k, 2) places where shear forces grow without bound: corners, points that are held or loaded, and a probe."""
+    mesh, supports = problem.mesh, problem.supports
+    held, turned = (np.zeros(len(mesh.edges), dtype=bool) for _ in range(2))
+    vertices = [int(v) for group in supports.held for v in group.points]
+    for group in supports.held:
+        held[group.line] = True
+        turned[group.edges] = True
+    ends = mesh.edges[mesh.boundary_edges]
+    for v, angle in corner_angles(mesh, problem.domain.boundary).items():
+        edges = mesh.boundary_edges[(ends == v).any(axis=1)]
+        alike = held[edges].all() == held[edges].any() and turned[edges].all() == turned[edges].any()
+        simple = bool((held[edges] & ~turned[edges]).all())
+        if not alike or angle > (RIGHT if simple else STRAIGHT):
+            vertices.append(v)
+    vertices += problem.layout.fans.ends.tolist()
+    places = [problem.domain.points[np.array(sorted(set(vertices)), dtype=np.int64)]]
+    places += [np.reshape(form.xy, (1, 2)) for form in problem.loads.forms if isinstance(form, PointLoad)]
+    if near is not None:
+        places.append(near[None])
+    return np.concatenate(places)
+
+
+def _deflection(problem: PlateProblem, xy: Floats) -> tuple[Floats, Floats]:
+    """(dof,) the row of w at the point of the plate nearest to a place (2,), and that point."""
+    found = problem.fields(np.zeros(problem.layout.count)).locator.find(xy[None])
+    affine = problem.domain.affine(found.triangles)
+    row = matrices.rows(problem.element, affine, found.xi, 0, problem.element.transformation(affine))
+    out = np.zeros(problem.layout.count)
+    np.add.at(out, problem.layout.triangle_dofs(found.triangles)[0], row.reshape(-1))
+    return out, found.xy[0]

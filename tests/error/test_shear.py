@@ -1,0 +1,106 @@
+"""The shear entry of the budget against plates with shear.
+
+References: Navier series of the simply supported plate with shear (Wang 1995: w = w_thin + M / S, hard supports);
+finite elements of order 5 with shear and refined edges for the rest, as changes of strain energy and of the deflection.
+"""
+
+import numpy as np
+import pytest
+from skfem import MeshTri
+
+import kshell as ks
+
+STEEL = ks.Isotropic(E=2e11, nu=0.3)
+
+
+def square(support, t, probes=True, n=12, **section):
+    grid = np.linspace(0, 1, n + 1)
+    mesh = MeshTri.init_tensor(grid, grid).with_boundaries(
+        {"edge": lambda x: np.ones(x.shape[1], dtype=bool)}
+    )
+    section = section or {"thickness": t, "material": STEEL}
+    return ks.Scene(
+        mesh=mesh,
+        supports=[support("edge")],
+        loads=[ks.Pressure(-2e5 * t**3)],
+        probes={"centre": (0.5, 0.5, 0)} if probes else {},
+        **section,
+    )
+
+
+def share(scene, **options):
+    return ks.solve(scene, model="plate", **options).error["budget"]["shear"]
+
+
+@pytest.mark.parametrize(
+    ("support", "t", "energy", "deflection"),
+    [
+        # Navier: w_thin = 4.06235e-3, (M_xx + M_yy) / (1 + nu) = 0.0736713 at the centre, S = 3.5 / t^2 for D = 1
+        (ks.SimplySupported, 0.01, 5.898e-4, 0.0736713 * 1e-4 / 3.5 / 4.06235e-3),
+        (ks.SimplySupported, 0.1, 5.898e-2, 0.0736713 * 1e-2 / 3.5 / 4.06235e-3),
+        (ks.SoftSupported, 0.01, 1.0283e-2, 9.0956e-3),
+        (ks.SoftSupported, 0.05, 6.3100e-2, 5.5928e-2),
+        (ks.SoftSupported, 0.1, 1.5384e-1, 1.3651e-1),
+        (ks.Clamped, 0.01, 3.016e-3, None),
+    ],
+)
+def test_predicted_change_by_shear(support, t, energy, deflection):
+    assert share(square(support, t, probes=False)) == pytest.approx(energy, rel=0.02)
+    if deflection is not None:
+        assert share(square(support, t)) == pytest.approx(deflection, rel=0.03)
+
+
+def graded_l_shape():
+    """(-1, 1)^2 without the quadrant x > 0 > y, refined towards the corner."""
+    half = np.geomspace(1 / 256, 1, 9)
+    grid = np.unique(np.round(np.concatenate([-half, [0], half, np.linspace(-1, 1, 9)]), 12))
+    full = MeshTri.init_tensor(grid, grid)
+    x, y = full.p[:, full.t].mean(axis=1)
+    mesh = full.remove_elements(np.flatnonzero((x > 0) & (y < 0)))
+    return mesh.with_boundaries({"edge": lambda p: np.ones(p.shape[1], dtype=bool)})
+
+
+@pytest.mark.parametrize(("t", "energy"), [(0.02, 1.293e-2), (0.05, 5.975e-2), (0.1, 2.089e-1)])
+def test_shear_of_the_clamped_l_is_cut_off_at_its_corner(t, energy):
+    scene = ks.Scene(
+        mesh=graded_l_shape(),
+        thickness=t,
+        material=STEEL,
+        supports=[ks.Clamped("edge")],
+        loads=[ks.Pressure(-2e5 * t**3)],
+    )
+    assert share(scene) == pytest.approx(energy, rel=0.15)
+
+
+def test_both_simple_supports_have_the_same_solution():
+    hard, soft = (ks.solve(square(support, 0.02)) for support in (ks.SimplySupported, ks.SoftSupported))
+    np.testing.assert_array_equal(hard.probe("centre")["u"], soft.probe("centre")["u"])
+    assert soft.error["budget"]["shear"] > 9 * hard.error["budget"]["shear"]
+
+
+def test_thick_plates_are_warned_of_and_answered():
+    thick = ks.solve(square(ks.SimplySupported, 0.2))
+    words = [warning for warning in thick.warnings if "too thick for this theory" in warning]
+    assert len(words) == 1
+    assert "20" in words[0]  # percent: 4.904e-3 against 4.062e-3
+    assert any("too thick" in reason for reason in thick.model["reasons"])
+    assert not [w for w in ks.solve(square(ks.SimplySupported, 0.04)).warnings if "thick for" in w]
+    # asked for: warned of alike, but there was no choice to give a reason for
+    asked = ks.solve(square(ks.SimplySupported, 0.2), model="plate")
+    assert any("too thick" in warning for warning in asked.warnings)
+    assert not any("too thick" in reason for reason in asked.model["reasons"])
+
+
+def test_without_shear_stiffness_the_entry_is_null_with_a_reason():
+    t = 0.02
+    D = 2e11 * t**3 / 12 / 0.91 * np.array([[1, 0.3, 0], [0.3, 1, 0], [0, 0, 0.35]])
+    without = ks.solve(square(ks.SimplySupported, t, section=ks.Section(A=12 / t**2 * D, D=D)))
+    assert without.error["budget"]["shear"] is None
+    assert "section" in without.error["shear_why_not"]
+    assert "S" in without.error["shear_why_not"]
+    S = 5 / 6 * t * 2e11 / 2.6 * np.eye(2)
+    given = square(ks.SimplySupported, t, section=ks.Section(A=12 / t**2 * D, D=D, S=S))
+    assert share(given) == pytest.approx(share(square(ks.SimplySupported, t)), rel=1e-9)
+    flat = ks.Anisotropic(C=12 / t**3 * D)
+    assert share(square(ks.SimplySupported, t, thickness=t, material=flat)) is None
+    assert share(square(ks.SimplySupported, t), error="off") is None
