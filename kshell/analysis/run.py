@@ -8,6 +8,7 @@ from typing import Any
 
 from kshell.analysis.clock import Clock, Stage
 from kshell.analysis.models import build_model
+from kshell.analysis.strength import add_strength
 from kshell.equilibrium.model import Model
 from kshell.mesh.mesh import Mesh
 from kshell.result.peaks import mark_peaks
@@ -90,5 +91,7 @@ def described(
         ],
     }
     mark_peaks(result, model.structure)
+    if result.probes or "von_mises_top" in result.fields:
+        add_strength(result, model.structure)
     result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": run.clock.peak_memory_mb}
     return result

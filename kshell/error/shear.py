@@ -43,8 +43,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 CUT = 0.35  # thicknesses from singular places
-DEGREE = 6  # of the quadrature of products of shear forces, which are quadratic in a triangle
-EDGE_POINTS = 5
+DEGREE = 4  # of the quadrature of products of shear forces, which are quadratic in a triangle
+EDGE_POINTS = 4
 # thickness over size from which a homogeneous plate is thick: its shear energy there, square and supported
 THICK = 1.0 / 20.0
 SQUARE = 5.9  # share of the shear in U of that square, over (t / L)^2

@@ -89,6 +89,10 @@ class Laminate:
         Plane-stress stiffness of the layers.
     G : list of (2, 2) arrays or None
         Transverse shear stiffness of the layers; None where that of one is not known.
+    layers : tuple of Layer
+        As given.
+    middle_layer : int
+        The number of that at the middle.
     """
 
     A: Floats
@@ -102,6 +106,8 @@ class Laminate:
     z: Floats
     Q: Floats
     G: list[Floats] | None
+    layers: tuple[Layer, ...]
+    middle_layer: int
 
     @cached_property
     def shear(self) -> TransverseShear:
@@ -130,11 +136,13 @@ def laminate(layers: Sequence[Layer]) -> Laminate:
     Q = np.stack([layer.plane_stress() for layer in layers])  # (layer, 3, 3)
     A, B, D = (np.tensordot(np.diff(z**k) / k, Q, axes=1) for k in (1, 2, 3))
     mass = sum(layer.material.density * layer.thickness for layer in layers)
-    middle = Q[min(int(np.searchsorted(z, 1e-9 * total, side="right")) - 1, len(Q) - 1)]
+    middle = min(int(np.searchsorted(z, 1e-9 * total, side="right")) - 1, len(Q) - 1)
     shears = [layer.transverse_shear() for layer in layers]
     known = [G for G in shears if G is not None]
     G = known if len(known) == len(layers) else None
-    return Laminate(A, B, D, float(total), float(mass), Q[0], middle, Q[-1], z, Q, G)
+    return Laminate(
+        A, B, D, float(total), float(mass), Q[0], Q[middle], Q[-1], z, Q, G, tuple(layers), middle
+    )
 
 
 def require_symmetric(coupling: float) -> None:

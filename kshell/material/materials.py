@@ -66,6 +66,8 @@ class Isotropic:
         Lame's constants, force per area; lame_mu is the shear modulus.
     density : float
         Mass per volume.
+    yield_stress : float, optional
+        Against which von Mises stresses are held as `utilisation`.
 
     Raises
     ------
@@ -78,6 +80,7 @@ class Isotropic:
     lame_lambda: Number | None = None
     lame_mu: Number | None = None
     density: Number = 0.0
+    yield_stress: Number | None = None
 
     def __post_init__(self) -> None:
         pairs = {name: getattr(self, name) for name in ("E", "nu", "lame_lambda", "lame_mu")}
@@ -91,6 +94,7 @@ class Isotropic:
         for name in pairs:
             object.__setattr__(self, name, constants[name])
         _require_density(self.density)
+        _require_yield_stress(self.yield_stress)
 
     @classmethod
     def from_constants(cls, density: float = 0.0, **two: float) -> Isotropic:
@@ -128,6 +132,8 @@ class Orthotropic:
         Degrees from the global x axis to axis 1, counter-clockwise.
     density : float
         Mass per volume.
+    yield_stress : float, optional
+        Against which von Mises stresses are held as `utilisation`.
     G13, G23 : float, optional
         Transverse shear moduli along the axes, > 0; G12 where they are not given. Only how much shear would add to the
         deflection, and shear stresses, hang on them.
@@ -141,6 +147,7 @@ class Orthotropic:
     density: Number = 0.0
     G13: Number | None = None
     G23: Number | None = None
+    yield_stress: Number | None = None
 
     def __post_init__(self) -> None:
         for name in ("E1", "E2", "G12", "G13", "G23"):
@@ -153,6 +160,7 @@ class Orthotropic:
                 "nu12 is the contraction along axis 2 under stress along axis 1"
             )
         _require_density(self.density)
+        _require_yield_stress(self.yield_stress)
 
     def plane_stress(self) -> Floats:
         """(3, 3) stiffness Q in global axes, force per area."""
@@ -176,6 +184,8 @@ class Anisotropic:
         plane-stress stiffness in the order xx yy xy; engineering shears. Symmetric, positive definite.
     density : float
         Mass per volume.
+    yield_stress : float, optional
+        Against which von Mises stresses are held as `utilisation`.
     angle : float
         Degrees from the global x axis to material axis 1, counter-clockwise.
     """
@@ -183,6 +193,7 @@ class Anisotropic:
     C: Any
     density: Number = 0.0
     angle: Number = 0.0
+    yield_stress: Number | None = None
     _stiffness: Any = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:
@@ -190,6 +201,7 @@ class Anisotropic:
         object.__setattr__(self, "C", tuple(map(tuple, matrix.tolist())))  # comparable and immutable
         object.__setattr__(self, "_stiffness", matrix)
         _require_density(self.density)
+        _require_yield_stress(self.yield_stress)
 
     @classmethod
     def of_class(cls, kind: str, angle: float = 0.0, density: float = 0.0, **constants: float) -> Anisotropic:
@@ -225,6 +237,11 @@ class Anisotropic:
             p, n = [0, 1, 5], [2, 3, 4]
             C = C[np.ix_(p, p)] - C[np.ix_(p, n)] @ np.linalg.solve(C[np.ix_(n, n)], C[np.ix_(n, p)])
         return rotated(C, self.angle)
+
+
+def _require_yield_stress(value: float | None) -> None:
+    if value is not None and not value > 0.0:
+        raise InputError(f"material: yield_stress = {value:g} must be > 0, or left out")
 
 
 def transverse_shear(material: Any) -> Floats | None:

@@ -88,6 +88,10 @@ class Part(ABC):
         """Size of B against sqrt(A D)."""
         return 0.0
 
+    def yield_stress(self, face: int) -> float | None:
+        """Yield stress at the bottom (face -1), in the middle (0), at the top (1); None where it is not known."""
+        return None
+
 
 class Homogeneous(Part):
     """One material through the thickness."""
@@ -123,6 +127,9 @@ class Homogeneous(Part):
     @property
     def moduli(self) -> tuple[Floats, ...]:
         return (self._Q,)
+
+    def yield_stress(self, face: int) -> float | None:
+        return getattr(self.material, "yield_stress", None)
 
 
 class Layered(Part):
@@ -165,6 +172,10 @@ class Layered(Part):
     @property
     def coupled(self) -> float:
         return self.stack.coupling
+
+    def yield_stress(self, face: int) -> float | None:
+        layer = self.stack.layers[(0, self.stack.middle_layer, -1)[face + 1]]
+        return getattr(layer.material, "yield_stress", None)
 
 
 class Given(Part):

@@ -145,6 +145,15 @@ class Section:
 
         return self._gather(triangles, points, (2, 2), of)
 
+    def part_of(self, triangle: int) -> Part:
+        """The cross-section that a triangle has."""
+        return self.parts[self._part[triangle]]
+
+    def yield_stress(self, face: int) -> Floats:
+        """(triangle,) yield stress at the bottom (-1), in the middle (0), at the top (1); infinite where not given."""
+        limits = [part.yield_stress(face) for part in self.parts]
+        return np.array([np.inf if limit is None else limit for limit in limits])[self._part]
+
     @property
     def moduli(self) -> list[Floats]:
         """(3, 3) matrices that depend on directions where the section does."""

@@ -1,0 +1,79 @@
+"""What is derived from the stresses of a result: those of layers at probes, and how far materials are used.
+
+`utilisation` is the largest von Mises stress at the bottom, in the middle and at the top over the yield stress there;
+in a row of values that several materials share the smallest yield stress counts.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.material.part import Layered
+from kshell.material.plies import ply_stresses
+from kshell.mesh.closest import Locator
+from kshell.result.result import Result
+from kshell.scene.structure import Structure
+
+Floats = NDArray[np.float64]
+
+FACES = ("bottom", "middle", "top")
+
+
+def add_strength(result: Result, structure: Structure) -> None:
+    """Add `layers` to the probes on laminates, and the field, extreme and probe values `utilisation`."""
+    if any(isinstance(part, Layered) for part in structure.section.parts) and structure.direction is None:
+        _add_layers(result, structure)
+    limits = {
+        face: structure.section.yield_stress(side) for face, side in zip(FACES, (-1, 0, 1), strict=True)
+    }
+    if all(np.isinf(limit).all() for limit in limits.values()):
+        return
+    _add_utilisation(result, structure, limits)
+
+
+def _triangles(result: Result, structure: Structure) -> dict[str, int]:
+    """The triangle of each probe."""
+    names = list(result.probes)
+    if not names:
+        return {}
+    places = np.array([result.probes[name]["x"] for name in names], dtype=float)
+    found = Locator.of(structure.space).find(places).triangles
+    return dict(zip(names, found.tolist(), strict=True))
+
+
+def _add_layers(result: Result, structure: Structure) -> None:
+    for name, triangle in _triangles(result, structure).items():
+        part, probe = structure.section.part_of(triangle), result.probes[name]
+        if isinstance(part, Layered) and "M" in probe:
+            force = probe.get("membrane_stress_resultant", probe["N"])
+            offset = float(structure.offset[triangle])
+            probe["layers"] = ply_stresses(part.stack, force, probe["M"], probe.get("Q"), offset)
+
+
+def _add_utilisation(result: Result, structure: Structure, limits: dict[str, Floats]) -> None:
+    faces = [face for face in FACES if f"von_mises_{face}" in result.fields]
+    if not faces:
+        return
+    rows, used = result.rows, []
+    for face in faces:
+        limit = np.full(len(rows.vertex), np.inf)
+        np.minimum.at(limit, rows.corner.ravel(), np.repeat(limits[face], 3))
+        used.append(np.ravel(result.fields[f"von_mises_{face}"]) / limit)
+    result.fields["utilisation"] = utilisation = np.max(used, axis=0)
+    which, place = np.unravel_index(int(np.argmax(used)), np.shape(used))
+    result.extremes["utilisation"] = {
+        "value": float(utilisation[place]),
+        "face": faces[which],
+        "at": rows.points[place].tolist(),
+        "group": str(rows.group[place]) or None,
+    }
+    for name, triangle in _triangles(result, structure).items():
+        probe = result.probes[name]
+        shares = [
+            float(probe[f"von_mises_{face}"]) / float(limits[face][triangle])
+            for face in faces
+            if f"von_mises_{face}" in probe
+        ]
+        if shares:
+            probe["utilisation"] = max(shares)
