@@ -109,7 +109,17 @@ _LAZY = {
     "Layer": "kshell.material.laminate",
     "Section": "kshell.material.given",
     **dict.fromkeys(
-        ("Clamped", "SimplySupported", "SoftSupported", "Symmetry", "Free", "Hinge", "RigidLink", "Fixed", "Elastic"),
+        (
+            "Clamped",
+            "SimplySupported",
+            "SoftSupported",
+            "Symmetry",
+            "Free",
+            "Hinge",
+            "RigidLink",
+            "Fixed",
+            "Elastic",
+        ),
         "kshell.scene.supports",
     ),
     **dict.fromkeys(

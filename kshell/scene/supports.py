@@ -277,5 +277,6 @@ def _require_matching_value(freedoms: str, value: Any) -> None:
 
 
 SUPPORTS: dict[str, type[Any]] = {
-    cls.kind: cls for cls in (Clamped, SimplySupported, SoftSupported, Symmetry, Free, Hinge, RigidLink, Fixed, Elastic)
+    cls.kind: cls
+    for cls in (Clamped, SimplySupported, SoftSupported, Symmetry, Free, Hinge, RigidLink, Fixed, Elastic)
 }

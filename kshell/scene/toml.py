@@ -21,7 +21,17 @@ from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point
 from kshell.scene.sections import merged_groups
-from kshell.scene.supports import Clamped, Elastic, Fixed, Free, Hinge, RigidLink, SimplySupported, SoftSupported, Symmetry
+from kshell.scene.supports import (
+    Clamped,
+    Elastic,
+    Fixed,
+    Free,
+    Hinge,
+    RigidLink,
+    SimplySupported,
+    SoftSupported,
+    Symmetry,
+)
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import unknown_key
 
@@ -61,7 +71,8 @@ KEYS = [
 ]
 LINE_KEYS = ["name", "from", "to", "n"]
 NAMED_SUPPORTS = {
-    cls.kind: cls for cls in (Clamped, SimplySupported, SoftSupported, Symmetry, Free, Hinge, RigidLink, Elastic)
+    cls.kind: cls
+    for cls in (Clamped, SimplySupported, SoftSupported, Symmetry, Free, Hinge, RigidLink, Elastic)
 }
 
 
