@@ -229,7 +229,8 @@ def answer(
     clock = Clock(progress, time.perf_counter() - begin)
     where = None if folder is None else Path(folder)
     run = Run(scene, structure, chosen, clock, progress, where, resume)
-    analyse = import_module(f"kshell.analysis.{chosen.analysis}").analyse
+    refining = chosen.analysis == "static" and chosen.tolerance is not None
+    analyse = import_module(f"kshell.analysis.{'refined' if refining else chosen.analysis}").analyse
     try:
         result: Result = answer_cases(run, analyse) if scene.cases else analyse(run.model(), run)
     except (SolveError, Interrupted) as error:

@@ -69,6 +69,10 @@ AllowSystem = Annotated[
 Log = Annotated[
     Path | None, typer.Option("--log", metavar="FILE", help="Append what is done, with times, to FILE.")
 ]
+Tolerance = Annotated[
+    str | None,
+    typer.Option(metavar="0.01|1%", help="Refine until what is asked for is known that well, relative."),
+]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")]
 
 
@@ -148,6 +152,13 @@ def solve(
     steps: Annotated[
         str | None, typer.Option(metavar="auto|N", help="First guess of the load steps.")
     ] = None,
+    tolerance: Tolerance = None,
+    quantity: Annotated[
+        str | None, typer.Option(metavar="PROBE|probes|energy", help="What the tolerance is for.")
+    ] = None,
+    limit: Annotated[
+        str | None, typer.Option(metavar="'60 s'|'4 GB'", help="Where refining ends at the latest.")
+    ] = None,
     allow_system: AllowSystem = False,
     log: Log = None,
     debug: Debug = False,
@@ -172,6 +183,7 @@ def solve(
     scene = scene_of(source, plate, set_ or [])
     given = {"model": model, "element": element, "order": number(order), "solver": solver}
     given |= {"large_deflection": flag(large_deflection), "steps": number(steps)}
+    given |= {"tolerance": tolerance, "quantity": quantity, "limit": limit}
     options = {key: value for key, value in given.items() if value is not None}
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     try:
@@ -291,9 +303,7 @@ def modes(
     prestress: Annotated[
         bool, typer.Option("--prestress", help="Let the loads act before the structure vibrates.")
     ] = False,
-    tolerance: Annotated[
-        float | None, typer.Option(help="Width of the intervals, relative; of plates with straight edges.")
-    ] = None,
+    tolerance: Tolerance = None,
     debug: Debug = False,
 ) -> None:
     """Natural frequencies and modes, of plates between guaranteed bounds."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.markup import escape as _escaped
 
+from kshell.cli.intervals import interval_lines
 from kshell.cli.tables import components, console, number, table
 from kshell.mesh.words import place
 
@@ -77,6 +78,8 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         _print_response(out, result)
     if not (result.eigen or result.response or result.history):
         _print_balance(out, result)
+    for line in interval_lines(result):
+        out.print(f"  {_escaped(line)}")
     _print_warnings(out, result.warnings)
     stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())
     out.print(f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({stages})")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -15,7 +14,6 @@ from kshell.result.result import Result
 Floats = NDArray[np.float64]
 
 ENERGY, PROBES = "energy", "probes"
-STILL = 1e-12  # displacement of a probe, in the largest one, that is none
 
 
 @dataclass(frozen=True)
@@ -99,6 +97,25 @@ class Assessment:
             self.energy = Estimate(e.value, e.half_width + more, e.expected + more, e.kind, e.why_not)
         self.probes = {name: interval.widened(share) for name, interval in self.probes.items()}
 
+    def intersect(self, other: Assessment) -> None:
+        """Narrow guaranteed intervals to what they have in common with those of the same quantities on another mesh."""
+        mine, its = self.energy, other.energy
+        if mine is not None and its is not None and mine.kind == its.kind == "guaranteed":
+            lower, upper = max(mine.lower, its.lower), min(mine.upper, its.upper)
+            if lower <= upper:
+                half = 0.5 * (upper - lower)
+                self.energy = Estimate(lower + half, half, min(mine.expected, half), mine.kind, mine.why_not)
+        for name, interval in self.probes.items():
+            found = other.probes.get(name)
+            if found is None or not interval.kind == found.kind == "guaranteed":
+                continue
+            low = np.maximum(interval.value - interval.half_width, found.value - found.half_width)
+            high = np.minimum(interval.value + interval.half_width, found.value + found.half_width)
+            if (low <= high).all():
+                half_width = 0.5 * (high - low)
+                expected = np.minimum(interval.expected, half_width)
+                self.probes[name] = Interval(low + half_width, half_width, expected, interval.kind)
+
     def document(self, result: Result, quantity: str | None = None) -> None:
         """Fill the entry `error` of a result, and put its probes in the middle of guaranteed intervals."""
         error = result.error
@@ -141,8 +158,3 @@ def energy_interval(value: float, norm: float, at_rest: bool, why_not: str = "")
         return Estimate(value + half, half, half, "estimated", why_not)
     half = norm * float(np.sqrt(2.0 * max(value, 0.0))) + 0.5 * norm**2
     return Estimate(value, half, 0.5 * half, "estimated", why_not)
-
-
-def moving(probes: Mapping[str, Any]) -> float:
-    """Size of the largest displacement of probes."""
-    return max((float(np.linalg.norm(p["u"])) for p in probes.values()), default=0.0)

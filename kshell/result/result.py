@@ -107,6 +107,8 @@ class Result:
     warnings : list of str
     scene : Scene, optional
         What was solved, for pictures.
+    last_mesh : Mesh, optional
+        Of a tolerance: what the mesh was refined to, as a scene takes it.
     case : str, optional
         Of several load cases: which of them the rest belongs to, the first.
     cases : dict of str to Result
@@ -143,6 +145,7 @@ class Result:
     solver: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     scene: Scene | None = None
+    last_mesh: Mesh | None = None
     case: str | None = None
     cases: dict[str, Result] = field(default_factory=dict)
     combinations: dict[str, dict[str, float]] = field(default_factory=dict)

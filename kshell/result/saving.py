@@ -19,6 +19,7 @@ import numpy as np
 
 from kshell.errors import InputError
 from kshell.mesh.words import clipped
+from kshell.mesh.write import write_msh
 from kshell.result.vtu import write_motion, write_vtu
 
 if TYPE_CHECKING:
@@ -37,6 +38,9 @@ def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, 
         "result.json": lambda path: path.write_text(text, encoding="utf-8"),
         "result.vtu": lambda path: write_vtu(path, result),
     }
+    if result.last_mesh is not None:
+        last = result.last_mesh
+        writers["mesh.msh"] = lambda path: write_msh(last, path)
     if result.analysis == "path":
         writers |= _series(result, "path.pvd")
     for name, case in result.cases.items():

@@ -1,0 +1,362 @@
+"""Static answers to a tolerance: the mesh is refined until what is asked for is known that well.
+
+Plates with straight edges go by guaranteed bounds of energies and deflections, which need nothing but the factors of
+two discretisations; everything else by estimates. The first mesh has places of probes and single loads as vertices,
+and is graded toward corners whose exponents are known. Then: solve, estimate, stop or mark, cut.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.analysis.refined_mesh import refined, shape_is_known
+from kshell.analysis.run import Run
+from kshell.analysis.static import Answered, answer_once
+from kshell.equilibrium.model import Model
+from kshell.error.assess import assess
+from kshell.error.assessment import ENERGY, PROBES, Assessment
+from kshell.error.bounds import PlatePair
+from kshell.error.geometry_share import CUBIC, turn_of_triangles
+from kshell.error.marking import doerfler, halvings
+from kshell.error.plates import assess_pair, vertex_at
+from kshell.error.premises import require_pair
+from kshell.errors import InputError, Interrupted, SolveError
+from kshell.mesh.insert import with_vertices
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.refine import bisect, bisect_around, longest_first
+from kshell.mesh.words import count
+from kshell.plate.corners import corner_exponents
+from kshell.plate.model import PlateModel
+from kshell.result.result import Result
+from kshell.shell.koiter.model import KoiterModel
+from kshell.solvers.memory import SHARE, available_bytes, peak_bytes
+from kshell.values.naming import listing, suggestion
+
+Floats = NDArray[np.float64]
+
+SHARE_BOUNDS, SHARE_ESTIMATES, SHARE_FAR = 0.6, 0.7, 0.8  # of the sum of marks that is cut
+FAR, SHARE_WORST = 30.0, 0.5  # times the tolerance, from which the worst are cut twice
+COARSE = 5e-4  # tolerance from which equilibrated moments of order 3 are enough
+GROWTH = 2.5  # of unknowns, time and memory from one level to the next, to be expected
+MOST_LEVELS = 60
+STALLED = 0.8  # a level that leaves more of the half width than this, with half as many unknowns more, gains nothing
+GAINLESS = 3  # such levels in a row, after which refining ends
+BYTES = 30e3  # memory of a direct solve for each unknown, about
+TURN, LARGEST_TURN = 0.1, 0.4  # radians by which a triangle of the first mesh may turn
+
+
+@dataclass
+class Level:
+    """One mesh and what is known on it."""
+
+    run: Run
+    model: Model
+    assessment: Assessment
+    unknowns: int
+    half_width: float
+    seconds: float
+    answered: Answered | None = None
+
+
+@dataclass
+class Refinement:
+    """The levels of a refinement, and why it ended."""
+
+    run: Run
+    names: list[str]
+    pair: bool
+    begin: float
+    levels: list[Level] = field(default_factory=list)
+    why_not: str = ""
+    frozen: float = 0.0  # share of a shape that refining adds nothing to
+
+
+def analyse(model: Model, run: Run) -> Result:
+    """The static answer to a tolerance.
+
+    Raises
+    ------
+    InputError
+        If the quantity is none of the scene, or the model has no estimate.
+    SolveError
+        If no answer was reached on the first mesh.
+    Interrupted
+        If the user stopped it; its `state` is the result of the last level.
+    """
+    begin = time.perf_counter()
+    names = _names(run)
+    if _is_auto_chart(model, run):
+        run = run.with_options(element="koiter")
+        model = run.model()
+    first = answer_once(model, run)
+    model = first.model
+    if (not isinstance(model, KoiterModel) and model.element != "argyris") or (
+        model.element == "argyris" and model.kind == "shell"
+    ):
+        raise InputError(
+            f"tolerance with the element {model.element}: it has no estimate; leave element out, or take "
+            + ('"argyris"' if model.kind == "plate" else '"koiter"')
+        )
+    run = run.with_options(
+        model=model.kind, element=model.element, large_deflection=bool(first.result.model["large_deflection"])
+    )
+    mesh = longest_first(model.structure.parameters)
+    loop = Refinement(run, names, False, begin)
+    if isinstance(model, PlateModel):
+        mesh, loop.pair = _plate_start(model, mesh, names, run)
+    else:
+        mesh = _shell_start(run, mesh)
+    if not shape_is_known(run.scene) and not loop.pair:
+        loop.frozen = assess(model, first.state, first.result, 0).geometry or 0.0
+        if isinstance(model, PlateModel):
+            loop.frozen = 0.0  # the curves through its edges are followed
+    _refine(loop, mesh)
+    return _result(loop, first)
+
+
+def _names(run: Run) -> list[str]:
+    """The probes whose displacement is asked for; empty for the energy."""
+    probes, quantity = list(run.structure.probes), run.options.quantity
+    if quantity == ENERGY and ENERGY not in probes:
+        return []
+    if quantity is None or (quantity == PROBES and PROBES not in probes):
+        if quantity == PROBES and not probes:
+            raise InputError(
+                'quantity = "probes", but the scene has no probe: name a point, or take "energy"'
+            )
+        return probes
+    if quantity not in probes:
+        raise InputError(
+            f'quantity = "{quantity}": no such probe; {suggestion(quantity, probes)}the probes are {listing(probes)}; '
+            '"energy" and "probes" are quantities, too'
+        )
+    return [quantity]
+
+
+def _is_auto_chart(model: Model, run: Run) -> bool:
+    return model.kind == "shell" and model.element == "argyris" and run.options.element == "auto"
+
+
+def _plate_start(model: PlateModel, mesh: Mesh, names: Sequence[str], run: Run) -> tuple[Mesh, bool]:
+    """The first mesh of a plate, and whether guaranteed bounds can be had on it."""
+    problem = model.problem
+    if problem.domain.curves.curved.any() or mesh.midpoints is not None:
+        return mesh, False
+    try:
+        require_pair(problem, _order(run))
+    except InputError:
+        return mesh, False
+    probes = [model.structure.probes[name] for name in names]
+    single = [item.on for item in (*run.scene.supports, *run.scene.loads) if _is_place(item.on)]
+    places = np.array([_in_space(p, mesh) for p in (*probes, *single)]).reshape(-1, 3)
+    mesh, left = with_vertices(mesh, places)
+    pair = not any(number < len(probes) for number in left)
+    tolerance = float(run.options.tolerance)
+    exponents = corner_exponents(problem.mesh, problem.supports)
+    corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
+    for place, exponent in zip(corners, exponents.values(), strict=True):
+        mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), halvings(exponent, tolerance))
+    if pair:
+        near = max(int(np.log2(1.0 / tolerance) / 2.0) - 3, 0)
+        for place in places[: len(probes)]:
+            mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), near)
+    return mesh, pair
+
+
+def _order(run: Run) -> int:
+    """Of equilibrated moments."""
+    return 3 if float(run.options.tolerance) > COARSE else 4
+
+
+def _is_place(on: Any) -> bool:
+    return isinstance(on, tuple | list | np.ndarray) and len(on) in (2, 3) and not isinstance(on[0], str)
+
+
+def _in_space(place: Any, mesh: Mesh) -> Floats:
+    return np.array([*np.asarray(place, dtype=float)[:2], mesh.points[0, 2]])
+
+
+def _shell_start(run: Run, mesh: Mesh) -> Mesh:
+    """Triangles on a chart that turn by too much for its interpolants are cut beforehand."""
+    if run.scene.chart is None:
+        return mesh
+    limit = float(np.clip((0.3 * float(run.options.tolerance) / CUBIC) ** (1 / 3), TURN, LARGEST_TURN))
+    for _ in range(MOST_LEVELS):
+        turn = turn_of_triangles(run.on_mesh(mesh).structure.space)
+        if not (turn > limit).any():
+            break
+        mesh = bisect(mesh, np.flatnonzero(turn > limit)).mesh
+    return mesh
+
+
+def _refine(loop: Refinement, mesh: Mesh) -> None:
+    """Levels until the tolerance is met, or a reason not to go on is found."""
+    tolerance = float(loop.run.options.tolerance)
+    stalled = 0
+    while True:
+        before = time.perf_counter()
+        try:
+            level = _solved(loop, mesh, before)
+        except KeyboardInterrupt:
+            if not loop.levels:
+                raise
+            words = (
+                f"interrupted at level {len(loop.levels) + 1}: the result is that of level {len(loop.levels)}"
+            )
+            raise Interrupted(words, _result(loop, None)) from None
+        except (SolveError, InputError, MemoryError) as error:
+            if not loop.levels:
+                raise
+            loop.why_not = f"the next mesh could not be solved ({error or 'out of memory'})"
+            return
+        loop.levels.append(level)
+        loop.run.tell(
+            f"level {len(loop.levels)}: {level.unknowns} unknowns, within {100 * level.half_width:.2g} % "
+            f"({_kind(loop, level)}), {time.perf_counter() - loop.begin:.2g} s"
+        )
+        if level.half_width <= tolerance:
+            return
+        if len(loop.levels) > 1:
+            last = loop.levels[-2]
+            gained = level.half_width <= STALLED * last.half_width * (last.unknowns / level.unknowns) ** 0.5
+            stalled = 0 if gained else stalled + 1
+        loop.why_not = _why_stop(loop, level, stalled)
+        if loop.why_not:
+            return
+        mesh = _next(loop, level, tolerance)
+
+
+def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
+    run = loop.run.on_mesh(mesh)
+    answered = None
+    if loop.pair:
+        from kshell.analysis.models import build_model
+
+        model = build_model(run.structure, run.options)
+        assert isinstance(model, PlateModel)
+        pair = PlatePair(model.problem, _order(run))
+        found = assess_pair(pair, loop.names, _strain_energy(pair))
+        unknowns = model.unknowns
+    else:
+        answered = answer_once(run.model(), run)
+        model, result = answered.model, answered.result
+        found = assess(model, answered.state, result, 3 * len(loop.names), loop.names)
+        found.geometry = max(found.geometry or 0.0, loop.frozen)
+        found.with_share((result.error["budget"]["algebra"] or 0.0) + found.geometry)
+        unknowns = result.unknowns
+    wanted = loop.names or [ENERGY]
+    half = max(found.relative(name) for name in wanted)
+    return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered)
+
+
+def _strain_energy(pair: PlatePair) -> float | None:
+    if pair.at_rest:
+        return None
+    return float(pair.problem.energies(pair.conforming.unknowns)[0])
+
+
+def _kind(loop: Refinement, level: Level) -> str:
+    return level.assessment.kind((loop.names or [ENERGY])[0])
+
+
+def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
+    """Why refining ends before the tolerance, in words; empty to go on."""
+    options, spent = loop.run.options, time.perf_counter() - loop.begin
+    if spent + GROWTH * level.seconds > options.time_limit:
+        return f"the limit of {options.limit} would be passed by the next level"
+    allowed = min(options.memory_limit, SHARE * available_bytes() + peak_bytes())
+    if peak_bytes() + GROWTH * BYTES * level.unknowns > allowed:
+        return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
+    if not np.isfinite(level.half_width):
+        return "what is asked for does not move, so no error of it is small"
+    geometry = level.assessment.geometry or 0.0
+    if loop.frozen > 0.0 and geometry > float(options.tolerance):
+        return (
+            f"the shape of the mesh is known to {geometry:.1e} only, and refining adds nothing: give its geometry, or "
+            "a chart"
+        )
+    if stalled >= GAINLESS:
+        return "further levels gain nothing: rounding, or a singularity that coordinates cannot resolve, sets the limit"
+    if len(loop.levels) >= MOST_LEVELS:
+        return f"{MOST_LEVELS} levels were not enough"
+    return ""
+
+
+def _next(loop: Refinement, level: Level, tolerance: float) -> Mesh:
+    """The next mesh: cut where the quantities that are not known well enough have their error."""
+    found = level.assessment
+    marks = np.zeros(len(level.model.structure.parameters.triangles))
+    for name in loop.names or [ENERGY]:
+        own = found.marks[name]
+        if found.relative(name) > tolerance and own.sum() > 0.0:
+            marks += own / own.sum()
+    if loop.pair:
+        return refined(loop.run.scene, level.model, doerfler(marks, SHARE_BOUNDS)).mesh
+    far = level.half_width > FAR * tolerance
+    chosen = doerfler(marks, SHARE_FAR if far else SHARE_ESTIMATES)
+    once = refined(loop.run.scene, level.model, chosen)
+    if not far or loop.run.scene.chart is None:
+        return once.mesh
+    worst = doerfler(marks, SHARE_WORST)
+    return bisect(once.mesh, np.flatnonzero(np.isin(once.parent, worst))).mesh
+
+
+def _result(loop: Refinement, first: Answered | None) -> Result:
+    """The result of the last level, with how it was reached."""
+    level = loop.levels[-1]
+    run = level.run
+    if level.answered is None:
+        level.model.prepare()
+        level.answered = answer_once(level.model, run)
+    result = level.answered.result
+    found = level.assessment
+    if loop.pair:
+        for other in loop.levels[:-1]:
+            found.intersect(other.assessment)
+        wanted = loop.names or [ENERGY]
+        level.half_width = max(found.relative(name) for name in wanted)
+    found.document(result, run.options.quantity)
+    error = result.error
+    error["levels"] = [
+        {"unknowns": each.unknowns, "half_width": _finite(each.half_width), "seconds": each.seconds}
+        for each in loop.levels
+    ]
+    tolerance = float(run.options.tolerance)
+    reasons = result.model["reasons"]
+    if first is not None:
+        reasons[:] = [*dict.fromkeys([*first.result.model["reasons"], *reasons])]
+        if (
+            first.result.error["budget"]["large_deflection"] is not None
+            and not first.result.model["large_deflection"]
+        ):
+            error["budget"]["large_deflection"] = first.result.error["budget"]["large_deflection"]
+        result.warnings[:] = [
+            *dict.fromkeys(
+                [*(w for w in first.result.warnings if "times the thickness" in w), *result.warnings]
+            )
+        ]
+    what = ", ".join(loop.names) if loop.names else "the energy"
+    counts = (
+        f"{count(len(loop.levels), 'mesh', 'meshes')}, {loop.levels[0].unknowns} to {level.unknowns} unknowns"
+    )
+    if loop.why_not:
+        error["why_not"] = "; ".join(part for part in (loop.why_not, found.why_not) if part)
+        result.warnings.append(
+            f"the tolerance of {tolerance:g} is not reached: {what} is known within {level.half_width:.1e} "
+            f"({_kind(loop, level)}); {loop.why_not}"
+        )
+    reasons.append(f"tolerance {tolerance:g} of {what}: {counts}")
+    result.cell_fields["error"] = np.sqrt(found.marks[(loop.names or [ENERGY])[0]])
+    result.last_mesh = level.model.structure.parameters
+    result.solver["seconds"]["refine"] = time.perf_counter() - loop.begin
+    return result
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

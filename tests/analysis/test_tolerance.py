@@ -1,0 +1,220 @@
+"""Static answers to a tolerance: true values inside, the tolerance met or said not to be, meshes and files kept."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.analysis import refined
+from kshell.error.marking import doerfler, halvings
+from kshell.mesh import read_mesh
+from kshell.mesh.insert import with_vertices
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.refine import longest_first
+from kshell.plate.corners import corner_exponents
+from tests.error.test_estimates import roof
+from tests.plate.hhj_cases import MATERIAL, l_shape, problem, square
+from tests.plate.plates import disk
+
+SUPPORTED_CENTRE = 0.004062352660675052  # Navier's series
+L_ENERGY = (
+    3.578570071565e-3 / 2,
+    3.578570071591e-3 / 2,
+)  # clamped, (-1, 1)^2 less a quadrant, under unit pressure
+
+
+def plate(mesh: Mesh, support: ks.scene.supports.Support, **probes: tuple[float, float, float]) -> ks.Scene:
+    return ks.Scene(
+        mesh,
+        thickness=1.0,
+        material=MATERIAL,
+        supports=[support],
+        loads=[ks.Pressure(1.0)],
+        probes=probes,
+        solve={"large_deflection": False},
+    )
+
+
+def clamped_l() -> ks.Scene:
+    mesh = l_shape(1, 1.0)
+    return plate(
+        dataclasses.replace(mesh, points=mesh.points - np.array([1.0, 1.0, 0.0])), ks.Clamped("edge")
+    )
+
+
+def test_energy_of_the_clamped_l_is_guaranteed_and_optimal() -> None:
+    """Quintics on graded meshes: the gap falls like N^-4."""
+    found = []
+    for tolerance in (1e-3, 1e-6):
+        result = ks.solve(clamped_l(), tolerance=tolerance)
+        error = result.error
+        assert error["energy"]["kind"] == error["kind"] == "guaranteed"
+        assert error["energy"]["lower"] <= L_ENERGY[1]
+        assert error["energy"]["upper"] >= L_ENERGY[0]
+        assert error["estimate"] <= tolerance
+        assert len(error["levels"]) > 1
+        found.append((result.unknowns, error["estimate"]))
+    rate = np.log(found[1][1] / found[0][1]) / np.log(found[1][0] / found[0][0])
+    assert rate < -3.0
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, "0.1%", 1e-6])
+def test_a_deflection_lies_in_its_guaranteed_interval(tolerance: float | str) -> None:
+    result = ks.solve(plate(square(2), ks.SimplySupported("edge"), centre=(0.5, 0.5, 0)), tolerance=tolerance)
+    u, found = result.probes["centre"]["u"], result.error["probes"]["centre"]["u"]
+    assert found["kind"] == "guaranteed"
+    assert abs(u[2] - SUPPORTED_CENTRE) <= found["half_width"][2]
+    wanted = 1e-3 if tolerance == "0.1%" else tolerance
+    assert found["half_width"][2] <= wanted * abs(u[2])
+    assert found["expected"][2] <= found["half_width"][2]
+    assert "why_not" not in result.error
+
+
+def test_a_probe_between_vertices_becomes_one() -> None:
+    """Against the series at the same place on a mesh with a vertex there."""
+    place = (0.4, 0.35, 0.0)
+    found = [ks.solve(plate(square(n), ks.SimplySupported("edge"), p=place), tolerance=1e-5) for n in (3, 20)]
+    values = [result.probes["p"]["u"][2] for result in found]
+    widths = [result.error["probes"]["p"]["u"]["half_width"][2] for result in found]
+    assert abs(values[0] - values[1]) <= sum(widths)
+    assert {result.error["kind"] for result in found} == {"guaranteed"}
+
+
+def test_several_probes_and_one_of_them() -> None:
+    scene = plate(square(2), ks.Clamped("edge"), a=(0.5, 0.5, 0), b=(0.25, 0.5, 0))
+    both = ks.solve(scene, tolerance=1e-4)
+    assert set(both.error["probes"]) == {"a", "b"}
+    for name, found in both.error["probes"].items():
+        assert found["u"]["half_width"][2] <= 1e-4 * abs(both.probes[name]["u"][2])
+    one = ks.solve(scene, tolerance=1e-4, quantity="b")
+    assert list(one.error["probes"]) == ["b"]
+    energy = ks.solve(scene, tolerance=1e-4, quantity="energy")
+    assert energy.error["probes"] == {}
+    assert energy.error["energy"]["upper"] <= energy.error["energy"]["lower"] * (1 + 2.1e-4)
+
+
+def test_curved_edges_are_followed_by_new_vertices() -> None:
+    scene = dataclasses.replace(plate(disk(2), ks.Clamped("edge"), centre=(0.0, 0, 0)))
+    result = ks.solve(scene, tolerance=1e-4, quantity="energy")
+    outer = result.mesh.points[np.unique(result.mesh.edges[result.mesh.groups["edge"].members])]
+    assert len(outer) > 12
+    assert np.hypot(outer[:, 0], outer[:, 1]) == pytest.approx(1.0, abs=2e-3)
+    assert abs(result.probes["centre"]["u"][2] * 64 - 1.0) < 2e-3
+
+
+def test_shells_on_charts_by_estimates() -> None:
+    result = ks.solve(roof(2, 3), tolerance=1e-3)
+    found = result.error["probes"]["edge"]["u"]
+    assert found["kind"] == "estimated"
+    assert np.linalg.norm(found["half_width"]) <= 1e-3 * np.linalg.norm(result.probes["edge"]["u"])
+    assert abs(result.probes["edge"]["u"][2] + 0.300592457) <= found["half_width"][2]
+    assert len(result.mesh.triangles) > 8
+
+
+def test_the_shape_of_a_mesh_without_geometry_sets_a_limit() -> None:
+    """Quadratic triangles in space stay what they were at first: that share is never zero, and is said."""
+    scene = roof(2, 3)
+    flat = scene.mesh
+    chart = scene.chart
+    corners = {1: flat.edges, 2: flat.triangles}
+    groups = {name: corners[group.dimension][group.members] for name, group in flat.groups.items()}
+    middles = chart(*flat.points[flat.edges].mean(axis=1)[:, :2].T)
+    mesh = ks.Mesh.from_arrays(chart(*flat.points[:, :2].T), flat.triangles, groups, middles)
+    with pytest.warns(ks.KshellWarning, match="not reached"):
+        result = ks.solve(dataclasses.replace(scene, mesh=mesh, chart=None), tolerance=1e-5)
+    assert result.error["budget"]["geometry"] > 1e-5
+    assert "geometry" in result.error["why_not"]
+    assert result.error["estimate"] > 1e-5
+
+
+def test_a_limit_of_time_ends_with_the_best_interval() -> None:
+    with pytest.warns(ks.KshellWarning, match="not reached"):
+        result = ks.solve(clamped_l(), tolerance=1e-9, limit="0.001 s")
+    assert len(result.error["levels"]) == 1
+    assert "0.001 s" in result.error["why_not"]
+    assert result.error["energy"]["lower"] <= L_ENERGY[1]
+    assert result.error["energy"]["upper"] >= L_ENERGY[0]
+
+
+def test_an_interrupt_returns_the_last_level(monkeypatch: pytest.MonkeyPatch) -> None:
+    solved, calls = refined._solved, []
+
+    def stop(*arguments: object) -> object:
+        calls.append(1)
+        if len(calls) == 3:
+            raise KeyboardInterrupt
+        return solved(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(refined, "_solved", stop)
+    with pytest.raises(KeyboardInterrupt, match="level 2") as caught:
+        ks.solve(clamped_l(), tolerance=1e-9)
+    state = caught.value.state  # type: ignore[attr-defined]
+    assert len(state.error["levels"]) == 2
+    assert state.error["energy"]["upper"] >= L_ENERGY[0]
+
+
+def test_files_hold_the_last_mesh_and_the_levels(tmp_path: Path) -> None:
+    result = ks.solve(clamped_l(), tolerance="1%")
+    written = {Path(path).name for path in result.save(tmp_path)}
+    assert "mesh.msh" in written
+    again = read_mesh(tmp_path / "mesh.msh")
+    assert len(again.triangles) == len(result.mesh.triangles)
+    assert set(again.groups) == {"edge"}
+    error = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["error"]
+    assert {"unknowns", "half_width", "seconds"} == set(error["levels"][0])
+    assert error["levels"][-1]["half_width"] <= 0.01
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"tolerance": 2}, "between 0 and 1"),
+        ({"tolerance": "half"}, "percentage"),
+        ({"tolerance": "150%"}, "between 0 and 1"),
+        ({"tolerance": True}, "between 0 and 1"),
+        ({"tolerance": 0.01, "quantity": "tip"}, "no such probe"),
+        ({"tolerance": 0.01, "quantity": "probes"}, "no probe"),
+        ({"tolerance": 0.01, "limit": "soon"}, "60 s"),
+        ({"tolerance": 0.01, "limit": "-3 s"}, "60 s"),
+        ({"tolerance": 0.01, "element": "morley"}, "argyris"),
+    ],
+)
+def test_bad_words_are_refused(options: dict[str, object], words: str) -> None:
+    with pytest.raises(ks.InputError, match=words):
+        ks.solve(clamped_l(), **options)
+
+
+def test_corner_exponents() -> None:
+    """Of the clamped L 1.5445 (Williams 1952), of obtuse supported corners of 150 degrees 6 / 5."""
+    of = problem(l_shape(2), [ks.Clamped("edge")], [ks.Pressure(1.0)])
+    assert list(corner_exponents(of.mesh, of.supports).values()) == pytest.approx([1.544484], abs=1e-5)
+    right = problem(square(2), [ks.SimplySupported("edge")], [ks.Pressure(1.0)])
+    assert corner_exponents(right.mesh, right.supports) == {}
+    assert halvings(1.2, 1e-12) == 36
+    assert halvings(1.9, 0.5) == 0
+
+
+def test_doerfler_takes_the_fewest() -> None:
+    assert doerfler(np.array([1.0, 5.0, 2.0, 2.0]), 0.5).tolist() == [1]
+    assert sorted(doerfler(np.array([1.0, 5.0, 2.0, 2.0]), 0.7).tolist()) == [1, 2]
+
+
+def test_vertices_at_places_keep_lines_and_area() -> None:
+    mesh = longest_first(square(3))
+    places = np.array(
+        [(0.41, 0.37, 0.0), (0.2, 0.0, 0.0), (1.0, 0.55, 0.0), (0.42, 0.36, 0.0), (5.0, 5.0, 0.0)]
+    )
+    found, left = with_vertices(mesh, places)
+    assert left == [4]
+    for place in places[:4]:
+        assert np.linalg.norm(found.points - place, axis=1).min() < 1e-12
+    assert found.areas.sum() == pytest.approx(1.0)
+    assert found.areas.min() > 0.0
+    bottom = found.points[found.edges[found.groups["bottom"].members]]
+    assert np.abs(bottom[..., 1]).max() < 1e-12
+    assert found.edge_lengths[found.groups["bottom"].members].sum() == pytest.approx(1.0)
