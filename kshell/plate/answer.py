@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from kshell.material.section import Section
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.words import place
 from kshell.plate.domain import Domain
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
@@ -20,7 +19,6 @@ from kshell.plate.recovery import Fields
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
-from kshell.scene.places import Point
 from kshell.solvers import Solution
 
 Floats = NDArray[np.float64]
@@ -52,13 +50,7 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
             "digits; look for very small or very thin triangles (`kshell check`)"
         )
 
-    def evaluate(points: Floats) -> dict[str, Floats]:
-        values = fields.at(points)
-        values["distance"] = np.hypot(values["distance"], points[:, 2] - mesh.points[0, 2])
-        return values
-
-    probes, probe_warnings = probe_values(problem.structure.probes, evaluate, mesh, "plate")
-    probe_warnings += _on_lines(problem.structure.probes, mesh, fields)
+    probed = probe_values(problem.structure.probes, Above(fields, mesh), mesh, "plate")
     strain_energy, work = problem.energies(np.asarray(solution.x, dtype=np.float64))
     error = no_error_estimate()
     error["budget"]["algebra"] = float(solution.energy_error)
@@ -72,36 +64,46 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         model={},
         title=problem.structure.title,
         frame="global x, y",
-        probes=probes,
+        probes=probed.values,
+        sheets=probed.sheets,
         reactions=reactions.groups,
         balance=reactions.balance,
         strain_energy=strain_energy,
         external_work=work,
         evaluate=fields.at,
         error=error,
-        warnings=warnings + probe_warnings,
+        warnings=warnings + probed.warnings,
     )
 
 
-def _on_lines(probes: Mapping[str, Point], mesh: Mesh, fields: Fields) -> list[str]:
-    """Whose values probes have where moments or stresses jump."""
-    names, points = list(probes), np.array(list(probes.values()), dtype=float).reshape(-1, 3)
-    out = []
-    for k, triangles in fields.lines.differing_sides(points) if names else []:
-        own, other = (_side(mesh, *triangles[order]) for order in ([0, 1], [1, 0]))
-        out.append(
-            f"probe {names[k]}: at {place(points[k])} moments or stresses jump; the values are those {own}, where the "
-            f"stress is largest; move the point a little for those {other}"
-        )
-    return out
+class Above:
+    """Values of a plate at points in space, whose distance counts along z, too."""
 
+    def __init__(self, fields: Fields, mesh: Mesh) -> None:
+        self.fields, self.height = fields, float(mesh.points[0, 2])
 
-def _side(mesh: Mesh, triangle: int, other: int) -> str:
-    """The side of a line that a triangle lies on: a surface group that the other does not belong to, or where it is."""
-    for name, group in mesh.groups.items():
-        if group.dimension == 2 and triangle in group.members and other not in group.members:
-            return f"on '{name}'"
-    return f"towards {place(mesh.points[mesh.triangles[triangle]].mean(axis=0))}"
+    def at(self, points: Floats) -> dict[str, Floats]:
+        """At the nearest points."""
+        return self._measured(self.fields.at(points), points)
+
+    def on(self, points: Floats, group: str) -> dict[str, Floats]:
+        """At the nearest points of a surface group."""
+        return self._measured(self.fields.values_at(self.fields.lines.on(points, group)), points)
+
+    def sheets(self, point: Floats) -> dict[str, dict[str, Any]]:
+        """At one point on every side of a line."""
+        sides = self.fields.lines.each_side(np.asarray(point, dtype=float))
+        names = self.fields.rows.names_of([triangle for triangle, _ in sides])
+        values = [self.fields.values_at(found) for _, found in sides]
+        out = {
+            name: {key: part[0] for key, part in each.items()}
+            for name, each in zip(names, values, strict=True)
+        }
+        return out if len(out) > 1 else {}
+
+    def _measured(self, values: dict[str, Floats], points: Floats) -> dict[str, Floats]:
+        values["distance"] = np.hypot(values["distance"], points[:, 2] - self.height)
+        return values
 
 
 def motion_at(problem: PlateProblem, d: Floats, points: Floats) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.material.tensors import von_mises
+from kshell.mesh.closest import Locator
 from kshell.plate.points import Located
 
 if TYPE_CHECKING:
@@ -102,3 +103,34 @@ class LinePoints:
             if other.any():
                 out.append((int(k), np.concatenate([[found.triangles[k]], sides[other]])))
         return out
+
+    def on(self, points: Floats, group: str) -> Located:
+        """Points (n, 3) in the triangles of a surface group, or the nearest points of it."""
+        members = np.asarray(self.domain.mesh.groups[group].members, dtype=np.int64)
+        found = self.find(points)
+        for k, point in enumerate(points):
+            sides = np.intersect1d(self.sides(found.triangles[k], found.xy[k]), members)
+            if not len(sides):
+                corners = self.domain.points[self.domain.mesh.triangles[members]]
+                flat = np.concatenate([corners, np.zeros((*corners.shape[:2], 1))], axis=2)
+                nearest = Locator(flat).find(np.array([[point[0], point[1], 0.0]]))
+                sides, found.xy[k] = members[nearest.triangles], nearest.x[0, :2]
+                found.distance[k] = nearest.distance[0]
+            self._move(found, k, int(sides[0]))
+        return found
+
+    def each_side(self, point: Floats) -> list[tuple[int, Located]]:
+        """A triangle of each piece beside a point (3,) where moments or stresses jump, with the point in it."""
+        out = []
+        for _, triangles in self.differing_sides(point[None]):
+            _, first = np.unique(self.fields.rows.patch_of_triangle[triangles], return_index=True)
+            for triangle in triangles[np.sort(first)].tolist():
+                found = self.find(point[None])
+                self._move(found, 0, triangle)
+                out.append((triangle, found))
+        return out
+
+    def _move(self, found: Located, k: int, triangle: int) -> None:
+        found.triangles[k] = triangle
+        affine = self.domain.affine(found.triangles[[k]])
+        found.xi[k] = affine.reference_coordinates(found.xy[None, [k]])[0]

@@ -244,7 +244,10 @@ class Fields:
             x (n, 3), u (n, 3), rotation (n, 3), M (n, 3), Q (n, 2), stress_top, stress_bottom (n, 3),
             distance (n,) to the point used.
         """
-        found = self.lines.find(points)
+        return self.values_at(self.lines.find(points))
+
+    def values_at(self, found: Located) -> dict[str, Floats]:
+        """The same at located points."""
         w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
         gradient = self.derivatives(found.triangles, found.xi, 1)[:, 0]
         moment, shear = self._forces(found)

@@ -1,9 +1,10 @@
-"""Values at the probes of a scene, and words about probes that lie off the surface."""
+"""Values at the probes of a scene, and words about probes that lie off the surface or where sheets meet."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,46 +12,92 @@ from numpy.typing import NDArray
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
-from kshell.scene.places import Point
+from kshell.scene.places import Point, ProbePoint
 
 Floats = NDArray[np.float64]
 
 
-def probe_values(
-    probes: Mapping[str, Point], evaluate: Callable[[Floats], dict[str, Floats]], mesh: Mesh, what: str
-) -> tuple[dict[str, dict[str, Any]], list[str]]:
-    """Values at named points, and warnings about points farther than a mesh size.
+class Evaluates(Protocol):
+    """Values of a solution at places: arrays with one row per point, by name, `distance` among them."""
+
+    def at(self, points: Floats) -> dict[str, Floats]:
+        """At the nearest points; where sheets meet of that with the largest stress."""
+
+    def on(self, points: Floats, group: str) -> dict[str, Floats]:
+        """At the nearest points of a surface group."""
+
+    def sheets(self, point: Floats) -> dict[str, dict[str, Any]]:
+        """At one point on every sheet that meets there, by surface group; empty where there is one."""
+
+
+@dataclass(frozen=True)
+class Probed:
+    """Values at the probes of a scene.
+
+    Attributes
+    ----------
+    values : dict of name to dict
+    sheets : dict of name to dict of surface group to dict
+        Of probes where sheets meet, unless they say on which they are.
+    warnings : list of str
+    """
+
+    values: dict[str, dict[str, Any]] = field(default_factory=dict)
+    sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+
+def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, what: str) -> Probed:
+    """Values at named points, with warnings about points farther than a mesh size or where sheets meet.
 
     Parameters
     ----------
-    evaluate : function
-        Points (n, 3) to x, u, rotation, M, stress_top, stress_bottom and more, and `distance` (n,) to the point
-        used.
     mesh : Mesh
         In space, for the mesh size.
     what : "plate" or "shell"
         For messages.
     """
-    if not probes:
-        return {}, []
-    points = np.array(list(probes.values()), dtype=float)
-    values = evaluate(points)
-    typical = float(np.sqrt(2 * np.median(mesh.areas)))
-    warnings = [
-        f"probe {name}: {place(point)} lies {distance:.3g} off the {what}, more than a mesh size ({typical:.3g}); "
-        f"the values are those at the nearest point, {place(x)}"
-        for name, point, distance, x in zip(probes, points, values["distance"], values["x"], strict=True)
-        if distance > typical
-    ]
-    out = {}
-    for k, name in enumerate(probes):
-        probe: dict[str, Any] = {key: value[k] for key, value in values.items() if key != "distance"}
-        probe.setdefault("N", np.zeros(3))
-        for face in ("top", "middle", "bottom"):
-            if f"stress_{face}" in probe:
-                probe[f"von_mises_{face}"] = float(von_mises(probe[f"stress_{face}"]))
-        probe["principal_moments"] = principal(probe["M"])
-        if "N" in values:
-            probe["principal_forces"] = principal(probe["N"])
-        out[name] = probe
-    return out, warnings
+    out = Probed()
+    typical = float(np.sqrt(2 * np.median(mesh.areas))) if probes else 0.0
+    for name, given in probes.items():
+        point = np.array(given, dtype=float)
+        on = given.on if isinstance(given, ProbePoint) else None
+        found = fields.at(point[None]) if on is None else fields.on(point[None], on)
+        values = {key: value[0] for key, value in found.items()}
+        distance = float(values["distance"])
+        if distance > typical:
+            out.warnings.append(
+                f"probe {name}: {place(point)} lies {distance:.3g} off the {what if on is None else on}, more than a "
+                f"mesh size ({typical:.3g}); the values are those at the nearest point, {place(values['x'])}"
+            )
+        out.values[name] = _completed(values)
+        sheets = fields.sheets(point) if on is None else {}
+        if sheets:
+            out.sheets[name] = {group: _completed(each) for group, each in sheets.items()}
+            names = [f'"{group}"' for group in sheets]
+            shown = max(sheets, key=lambda group: _alike(out.values[name], sheets[group]))
+            out.warnings.append(
+                f"probe {name}: {', '.join(names[:-1])} and {names[-1]} meet at {place(point)}, where forces, moments "
+                f'or stresses differ; the values are those on "{shown}", where the stress is largest, all stand under '
+                "`sheets`; on = the name of a surface group chooses one"
+            )
+    return out
+
+
+def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
+    """Less the more the stresses differ."""
+    faces = [f"stress_{face}" for face in ("top", "middle", "bottom") if f"stress_{face}" in one]
+    return -sum(float(np.abs(one[face] - other[face]).max()) for face in faces)
+
+
+def _completed(values: Mapping[str, Any]) -> dict[str, Any]:
+    """With stresses of von Mises and principal values."""
+    probe = {key: value for key, value in values.items() if key != "distance"}
+    probe.setdefault("N", np.zeros(3))
+    for face in ("top", "middle", "bottom"):
+        if f"stress_{face}" in probe:
+            probe[f"von_mises_{face}"] = float(von_mises(probe[f"stress_{face}"]))
+    probe["principal_moments"] = principal(probe["M"])
+    if "N" in values:
+        probe["principal_forces"] = principal(probe["N"])
+    return probe

@@ -74,6 +74,8 @@ class Result:
         given.
     rows : Rows
         What the rows of fields belong to; `points`, `vertex`, `patch` and `group` are taken from it.
+    sheets : dict of probe to dict of surface group to dict
+        Values as in `probes` of every sheet that meets at a probe.
     nodal_values : str
         How values at vertices are made.
     cell_fields : dict of str to (triangle,) or (triangle, k) array
@@ -151,6 +153,7 @@ class Result:
     combinations: dict[str, dict[str, float]] = field(default_factory=dict)
     rows: Rows = None  # type: ignore[assignment]  # made from the mesh where it is not given
     nodal_values: str = ""
+    sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.rows is None:
@@ -241,6 +244,7 @@ class Result:
                 "unknowns": self.unknowns,
             },
             "probes": {name: {**values, "frame": self.frame} for name, values in self.probes.items()},
+            **({"sheets": self.sheets} if self.sheets else {}),
             **({"nodal_values": self.nodal_values} if self.nodal_values else {}),
             "extremes": self.extremes,
             "strain_energy": self.strain_energy,

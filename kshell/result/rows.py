@@ -7,6 +7,7 @@ first of its pieces, then the further rows; without such lines rows are vertices
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -87,6 +88,26 @@ class Rows:
             )
             chosen[(chosen == 0) & (inside == around) & (around > 0)] = number
         return np.array(["", *names])[chosen]
+
+    def names_of(self, triangles: Sequence[int]) -> list[str]:
+        """Different names for triangles of sheets that meet: a surface group of each that no other belongs to.
+
+        Where there is none, of two in one group, the smallest group with a number, or without groups "sheet".
+        """
+        groups = [(name, group.members) for name, group in self.mesh.groups.items() if group.dimension == 2]
+        groups.sort(key=lambda group: len(group[1]))
+        belongs = np.array([np.isin(triangles, members) for _, members in groups]).reshape(
+            len(groups), len(triangles)
+        )
+        out: list[str] = []
+        for k in range(len(triangles)):
+            own = np.flatnonzero(belongs[:, k])
+            alone = own[belongs[own].sum(axis=1) == 1]
+            chosen = alone if len(alone) else own
+            name = groups[chosen[0]][0] if len(chosen) else "sheet"
+            same = sum(each == name or each.startswith(f"{name} (") for each in out)
+            out.append(f"{name} ({same + 1})" if same else name)
+        return out
 
     @cached_property
     def _middles(self) -> tuple[Ints, Ints, Ints]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -15,6 +15,47 @@ from kshell.values.time import TIME
 
 Point = tuple[float, float, float]
 Place = str | tuple[str, ...] | Point
+
+
+class ProbePoint(tuple[float, float, float]):
+    """A point whose values are wanted, on a surface group where sheets meet.
+
+    Attributes
+    ----------
+    on : str
+    """
+
+    on: str
+
+    def __new__(cls, point: Point, on: str) -> ProbePoint:
+        made = super().__new__(cls, point)
+        made.on = on
+        return made
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return (tuple(self), self.on)
+
+
+def as_probe(value: Any) -> Point:
+    """A point, or {"at": point, "on": surface group}.
+
+    Raises
+    ------
+    ValueError
+        With words for the user.
+    """
+    if isinstance(value, ProbePoint):
+        return value
+    if not isinstance(value, Mapping):
+        return as_point(value)
+    if set(value) - {"at", "on"} or "at" not in value:
+        raise ValueError('must be a point, or have at = [x, y, z] and on = "group"')
+    on = value.get("on")
+    if on is None:
+        return as_point(value["at"])
+    if not isinstance(on, str) or not on:
+        raise ValueError("on must be the name of a surface group")
+    return ProbePoint(as_point(value["at"]), on)
 
 
 def _is_number(value: Any) -> bool:

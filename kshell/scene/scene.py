@@ -25,7 +25,7 @@ from kshell.scene.line import Line
 from kshell.scene.loads import Load
 from kshell.scene.motion import damping, initial_velocity
 from kshell.scene.options import SolveOptions
-from kshell.scene.places import Point, as_point
+from kshell.scene.places import as_point, as_probe
 from kshell.scene.sections import (
     as_direction,
     as_layers,
@@ -93,7 +93,7 @@ def _probes(value: Any) -> Any:
     points = {}
     for name, point in value.items():
         try:
-            points[str(name)] = as_point(point)
+            points[str(name)] = as_probe(point)
         except ValueError as error:
             raise ValueError(f'"{name}" = {shown(point)} {error}') from None
     return points
@@ -127,8 +127,8 @@ class Scene:
     supports : sequence of Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic
     loads : sequence of Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment,
         Temperature, InitialCurvature, InitialStrain
-    probes : dict of str to (x, y, z)
-        Named points whose values are reported.
+    probes : dict of str to (x, y, z) or {"at": (x, y, z), "on": surface group}
+        Named points whose values are reported; where sheets meet, those on the group.
     cases : sequence of Case
         Loads that act together; without any, all loads do. Prescribed motion is part of every case.
     combinations : sequence of Combination
@@ -170,7 +170,7 @@ class Scene:
     material: Annotated[Any, BeforeValidator(by_group(as_material))] = None
     supports: Any = ()
     loads: Any = ()
-    probes: Annotated[dict[str, Point], BeforeValidator(_probes)] = field(default_factory=dict)
+    probes: Annotated[dict[str, Any], BeforeValidator(_probes)] = field(default_factory=dict)
     layers: Annotated[Any, BeforeValidator(by_group(as_layers))] = None
     chart: Annotated[Any, BeforeValidator(_chart)] = None
     offset: Annotated[Any, BeforeValidator(by_group(as_offset))] = 0.0

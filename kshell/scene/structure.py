@@ -22,7 +22,7 @@ from kshell.mesh.words import clipped
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.loads import Load, PointForce, PointMoment
 from kshell.scene.on_chart import mesh_in_space
-from kshell.scene.places import Point
+from kshell.scene.places import Point, ProbePoint
 from kshell.scene.scene import Scene
 from kshell.scene.sense import contradictions
 from kshell.scene.supports import Clamped, Fixed, RigidLink, Support
@@ -158,6 +158,9 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
         (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
     for words in contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space):
         raise InputError(words)
+    for name, point in scene.probes.items():
+        if isinstance(point, ProbePoint):
+            select(space, point.on, dimensions=(2,), what=f'probe "{name}"')
     return Structure(
         space,
         mesh,

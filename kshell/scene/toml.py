@@ -19,7 +19,7 @@ from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
 from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
-from kshell.scene.places import as_point
+from kshell.scene.places import as_probe
 from kshell.scene.sections import merged_groups
 from kshell.scene.supports import (
     Clamped,
@@ -379,8 +379,8 @@ def _probes(blocks: Any, source: str) -> dict[str, Any]:
 
     def add(data: dict[str, Any]) -> None:
         for key in data:
-            if key not in ("name", "at"):
-                raise InputError(unknown_key(key, ["name", "at"]))
+            if key not in ("name", "at", "on"):
+                raise InputError(unknown_key(key, ["name", "at", "on"]))
         missing = [key for key in ("name", "at") if key not in data]
         if missing:
             raise InputError(f"{missing[0]} is missing: a probe has a name and at = [x, y, z]")
@@ -389,7 +389,7 @@ def _probes(blocks: Any, source: str) -> dict[str, Any]:
         if data["name"] in probes:
             raise InputError(f'the name "{data["name"]}" is taken by an earlier probe: give another')
         try:
-            probes[data["name"]] = as_point(data["at"])
+            probes[data["name"]] = as_probe({key: data[key] for key in ("at", "on") if key in data})
         except ValueError as error:
             raise InputError(f"at = {shown(data['at'])}: {error}") from None
 

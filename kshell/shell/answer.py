@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kshell.equilibrium.linear import LinearSolution
 from kshell.equilibrium.problem import State
 from kshell.result.deferred import Deferred
-from kshell.result.probing import probe_values
+from kshell.result.probing import Probed, probe_values
 from kshell.result.result import Result, no_error_estimate
 from kshell.shell.fields import ShellFields
 from kshell.shell.group_reactions import find_reactions
@@ -54,9 +54,9 @@ def answer_state(problem: ShellProblem, state: State, work: float, inertia: Floa
     return result
 
 
-def probes_of(problem: ShellProblem, fields: ShellFields) -> tuple[dict[str, dict[str, Any]], list[str]]:
+def probes_of(problem: ShellProblem, fields: ShellFields) -> Probed:
     """Values at the probes of the scene, and warnings about them."""
-    return probe_values(problem.structure.probes, fields.at, problem.space, "shell")
+    return probe_values(problem.structure.probes, fields, problem.space, "shell")
 
 
 def small_fields(problem: ShellProblem, x: Floats, initial: Floats | None = None) -> ShellFields:
@@ -104,7 +104,7 @@ def _answer(
             f"loads and reactions differ by {balance:.1e} of the larger: the solution has few correct digits; look "
             "for very small or very thin triangles (`kshell check`), or a shell that is hardly held"
         )
-    probes, probe_warnings = probes_of(problem, fields)
+    probed = probes_of(problem, fields)
     error = no_error_estimate()
     error["budget"]["algebra"] = solution.corrections[-1] if len(solution.corrections) > 1 else 0.0
     return Result(
@@ -118,7 +118,8 @@ def _answer(
         model={"kind": "shell"},
         title=problem.structure.title,
         frame=FRAME,
-        probes=probes,
+        probes=probed.values,
+        sheets=probed.sheets,
         reactions=groups,
         balance=balance,
         strain_energy=sum(energies.values()),
@@ -126,7 +127,7 @@ def _answer(
         external_work=_work(problem, solution),
         evaluate=fields.at,
         error=error,
-        warnings=warnings + probe_warnings,
+        warnings=warnings + probed.warnings,
     )
 
 

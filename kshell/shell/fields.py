@@ -14,18 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.material.section import Section
-from kshell.mesh.closest import Nearest
+from kshell.material.tensors import von_mises
+from kshell.mesh.closest import Locator, Nearest
 from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
 from kshell.result.rows import Rows
 from kshell.shell.resultants import Resultants
-from kshell.shell.vertex_fields import Recovered, VertexFields
+from kshell.shell.vertex_fields import FACES, Recovered, VertexFields
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 CENTROID = np.array([[1 / 3, 1 / 3]])
 MIDDLES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])  # of the edges (0, 1), (1, 2), (0, 2)
+SAME = 1e-9  # stresses that differ by rounding
 AT_VERTEX = 1.0 - 1e-6  # barycentric coordinate from which a point counts as the vertex
 
 
@@ -101,7 +103,7 @@ class ShellFields:
         return self._recovered.tensors(CENTROID, np.arange(len(self.mesh.triangles)))
 
     def at(self, points: Floats) -> dict[str, Floats]:
-        """Values at the points of the surface nearest to (n, 3) points.
+        """Values at the points of the surface nearest to (n, 3) points, of the sheet of the largest stress.
 
         Returns
         -------
@@ -110,9 +112,65 @@ class ShellFields:
             normal of the frame, each (n, 3), Q (n, 2) except of order 1, and distance (n,) to the point used.
         """
         found = self.find(np.asarray(points, dtype=float))
-        rows = [self._at(int(t), xi) for t, xi in zip(found.triangles, found.xi, strict=True)]
+        rows = [
+            self._shown(self._beside(int(t), xi)) for t, xi in zip(found.triangles, found.xi, strict=True)
+        ]
+        return self._together(rows, points)
+
+    def on(self, points: Floats, group: str) -> dict[str, Floats]:
+        """The same on the triangles of a surface group."""
+        chosen = np.asarray(self.mesh.groups[group].members, dtype=np.int64)
+        nodes = self.mesh.points[self.mesh.triangles[chosen]]
+        if self.mesh.midpoints is not None:
+            nodes = np.concatenate([nodes, self.mesh.midpoints[self.mesh.triangle_edges[chosen]]], axis=1)
+        found = Locator(nodes).find(np.asarray(points, dtype=float))
+        inside = set(chosen.tolist())
+        rows = []
+        for t, xi in zip(found.triangles, found.xi, strict=True):
+            beside = self._beside(int(chosen[t]), xi)
+            rows.append(self._shown([place for place in beside if place[0] in inside]))
+        return self._together(rows, points)
+
+    def sheets(self, point: Floats) -> dict[str, dict[str, Any]]:
+        """Values of every sheet that meets at the point, by the names of their surface groups; empty where one is."""
+        found = self.find(np.asarray(point, dtype=float)[None])
+        beside = self._beside(int(found.triangles[0]), found.xi[0])
+        if len(beside) < 2:
+            return {}
+        names = self.rows.names_of([triangle for triangle, _ in beside])
+        return {name: self._at(*place) for name, place in zip(names, beside, strict=True)}
+
+    def _together(self, rows: list[dict[str, Any]], points: Floats) -> dict[str, Floats]:
         out = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         out["distance"] = np.linalg.norm(out["x"] - points, axis=1)
+        return out
+
+    def _shown(self, beside: list[tuple[int, Floats]]) -> dict[str, Any]:
+        """Values of the sheet with the largest stress."""
+        values = [self._at(triangle, xi) for triangle, xi in beside]
+        size = [max(float(von_mises(each[f"stress_{face}"])) for face in FACES) for each in values]
+        return values[int(np.argmax(np.array(size) > (1 - SAME) * max(size)))]
+
+    def _beside(self, triangle: int, xi: Floats) -> list[tuple[int, Floats]]:
+        """A triangle of each smooth piece at a place, the one found first, and its reference coordinates there."""
+        if not self.rows.extra:
+            return [(triangle, xi)]
+        corners = self.mesh.triangles
+        barycentric = np.array([1 - xi.sum(), *xi])
+        near = corners[triangle][barycentric > 1 - AT_VERTEX]  # the vertex or the ends of the edge it lies on
+        if len(near) == 3:
+            return [(triangle, xi)]
+        weights = barycentric[barycentric > 1 - AT_VERTEX]
+        own = self.rows.patch_of_triangle
+        sharing = np.flatnonzero(np.isin(corners, near).sum(axis=1) == len(near))
+        _, first = np.unique(own[sharing], return_index=True)
+        others = [int(t) for t in sharing[np.sort(first)] if own[t] != own[triangle]]
+        out = [(triangle, xi)]
+        for t in others:
+            place = np.zeros(3)
+            for vertex, weight in zip(near, weights, strict=True):
+                place[corners[t] == vertex] = weight
+            out.append((t, place[1:] / place.sum()))
         return out
 
     def _at(self, triangle: int, xi: Floats) -> dict[str, Floats]:

@@ -147,3 +147,52 @@ def test_rows_of_a_step(order, tmp_path):
     assert result.extremes["von_mises"]["group"] == "thin"
     for what in ("von_mises_top", "moment_xx"):
         result.plot(what).savefig(tmp_path / f"{what}.png")
+
+
+@pytest.mark.parametrize("place", [(1, 0.5, 0), (1, 0.4, 0)], ids=["vertex", "edge"])
+def test_probes_where_sheets_meet(place, tmp_path):
+    """Each sheet by its group; `on` chooses one, in scene files too, and must be a surface group."""
+    result = ks.solve(tee(probes={"root": place}), large_deflection=False)
+    sheets = result.sheets["root"]
+    assert sorted(sheets) == ["plating", "plating (2)", "stiffener"]
+    assert any("meet at" in words and '"stiffener"' in words for words in result.warnings)
+    faces = [f"von_mises_{face}" for face in ("top", "middle", "bottom")]
+    largest = max(sheet[face] for sheet in sheets.values() for face in faces)
+    assert max(result.probe("root")[face] for face in faces) == pytest.approx(largest, rel=1e-6)
+    assert result.to_dict()["sheets"]["root"]["stiffener"]["u"] == pytest.approx(result.probe("root")["u"])
+    chosen = ks.solve(tee(probes={"root": {"at": place, "on": "stiffener"}}), large_deflection=False)
+    assert not chosen.sheets
+    assert not any("meet at" in words for words in chosen.warnings)
+    expected = sheets["stiffener"]["M"]
+    assert chosen.probe("root")["M"] == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+    with pytest.raises(ks.InputError, match='probe "root"'):
+        ks.solve(tee(probes={"root": {"at": place, "on": "left"}}))
+
+
+def test_a_probe_on_a_step_of_a_plate():
+    """The side that is asked for, and both where none is."""
+    edge = panel((0, 0, 0), (1, 0, 0), (0, 1, 0), 4)
+    mesh = ks.Mesh(edge[0], edge[1])
+    sides, centre = mesh.points[mesh.edges], mesh.points[mesh.triangles].mean(axis=1)
+    groups = {
+        "thick": mesh.triangles[centre[:, 0] < 0.5],
+        "thin": mesh.triangles[centre[:, 0] > 0.5],
+        "root": mesh.edges[(sides[:, :, 0] < 1e-9).all(axis=1)],
+        "tip": mesh.edges[(sides[:, :, 0] > 1 - 1e-9).all(axis=1)],
+    }
+    scene = {
+        "mesh": ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups),
+        "thickness": {"thick": 0.02, "thin": 0.01}, "material": ks.Isotropic(E=210e9, nu=0.0),
+        "supports": [ks.Clamped("root")], "loads": [ks.EdgeMoment("tip", 100.0)],
+    }  # fmt: skip
+    probes = {
+        "p": (0.5, 0.5, 0),
+        "a": {"at": (0.5, 0.5, 0), "on": "thick"},
+        "b": {"at": (0.1, 0.5, 0), "on": "thin"},
+    }
+    result = ks.solve(ks.Scene(**scene, probes=probes), model="plate", large_deflection=False)
+    assert sorted(result.sheets["p"]) == ["thick", "thin"]
+    assert abs(result.probe("a")["stress_top"][0]) == pytest.approx(600 / 0.02**2, rel=1e-8)
+    assert abs(result.probe("p")["stress_top"][0]) == pytest.approx(600 / 0.01**2, rel=1e-8)
+    assert result.probe("b")["x"] == pytest.approx([0.5, 0.5, 0.0])
+    assert abs(result.probe("b")["stress_top"][0]) == pytest.approx(600 / 0.01**2, rel=1e-8)

@@ -14,7 +14,7 @@ from kshell.elements.morley import ElementMorley
 from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError, SolveError
 from kshell.mesh.words import place
-from kshell.plate.answer import NODAL_VALUES, UNBALANCED, cell_fields, vertex_fields
+from kshell.plate.answer import NODAL_VALUES, UNBALANCED, Above, cell_fields, vertex_fields
 from kshell.plate.curves import edge_curves
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.geometry import Triangles
@@ -153,12 +153,7 @@ class HHJModel(Model):
                 "digits; look for very small or very thin triangles (`kshell check`)"
             )
 
-        def evaluate(points: Floats) -> dict[str, Floats]:
-            values = fields.at(points)
-            values["distance"] = np.hypot(values["distance"], points[:, 2] - mesh.points[0, 2])
-            return values
-
-        probes, probe_warnings = probe_values(self.structure.probes, evaluate, mesh, "plate")
+        probed = probe_values(self.structure.probes, Above(fields, mesh), mesh, "plate")
         error = no_error_estimate()
         error["budget"]["algebra"] = found.corrections[-1]
         return Result(
@@ -171,14 +166,15 @@ class HHJModel(Model):
             model={},
             title=self.structure.title,
             frame="global x, y",
-            probes=probes,
+            probes=probed.values,
+            sheets=probed.sheets,
             reactions=forces.groups,
             balance=forces.balance,
             strain_energy=system.energy(found),
             external_work=0.5 * found.work,
             evaluate=fields.at,
             error=error,
-            warnings=warnings + probe_warnings,
+            warnings=warnings + probed.warnings,
         )
 
     def motion_fields(self, x: Floats) -> Deferred[Floats]:
