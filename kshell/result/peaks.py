@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.result.deferred import Deferred
+from kshell.result.extremes import largest_stress
 from kshell.result.result import Result
 from kshell.scene.loads import PointForce, PointMoment
 from kshell.scene.structure import Structure
@@ -91,7 +92,7 @@ def mark_peaks(result: Result, structure: Structure) -> None:
         result.extremes = Deferred({**makers, "von_mises": lambda: {**known["von_mises"], "peak": None}})
         return
     stress = np.max([np.ravel(values) for values in _stresses(result)], axis=0)
-    points, near = result.mesh.points, np.zeros(len(stress), dtype=bool)
+    points, near = result.points, np.zeros(len(stress), dtype=bool)
     worst = int(np.argmax(stress))
     why, radius = "", 0.0
     for vertex, reach in zip(found, _reach(structure, list(found)), strict=True):
@@ -102,8 +103,7 @@ def mark_peaks(result: Result, structure: Structure) -> None:
     entry: dict[str, Any] = {**result.extremes["von_mises"], "peak": None}
     if why and not near.all() and entry["value"] > _rounding(result, structure):
         peak = {key: entry[key] for key in ("value", "at")}
-        beyond = int(np.argmax(np.where(near, -np.inf, stress)))
-        entry |= {"value": float(stress[beyond]), "at": points[beyond].tolist(), "peak": {**peak, "why": why}}
+        entry |= {**largest_stress(result.rows, result.fields, near), "peak": {**peak, "why": why}}
         result.warnings.append(
             f"stresses grow without bound at {why} as the mesh is refined: {peak['value']:.4g} there is a number of "
             f"the mesh; farther than {radius:.3g} from such places the largest is {entry['value']:.4g}"

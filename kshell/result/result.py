@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.errors import InputError, SolveError
 from kshell.result import doors
 from kshell.result.cases import Envelope
-from kshell.result.deferred import Deferred
+from kshell.result.extremes import find_extremes
 from kshell.result.rows import Rows
 from kshell.result.saving import save
 from kshell.values.naming import listing, suggestion
@@ -351,38 +351,6 @@ class Result:
             If PyVista is not installed: it is the extra "view" of kshell.
         """
         return doors.show(self, what, scale, file)
-
-
-def find_extremes(rows: Rows, fields: Mapping[str, Floats]) -> Deferred[dict[str, Any]]:
-    """Largest deflection in size and largest von Mises stress on any face, each with its place and surface group.
-
-    Of a plate, whose displacement is all along z, the deflection has its sign.
-    """
-    faces = [face for face in ("top", "middle", "bottom") if f"von_mises_{face}" in fields]
-    makers: dict[str, Callable[[], dict[str, Any]]] = {}
-    if "displacement" in fields:
-        makers["deflection"] = lambda: _deflection(
-            rows, fields["displacement"], "membrane_force" not in fields
-        )
-    if faces:
-        makers["von_mises"] = lambda: _von_mises(rows, {face: fields[f"von_mises_{face}"] for face in faces})
-    return Deferred(makers)
-
-
-def _deflection(rows: Rows, u: Floats, along_z: bool) -> dict[str, Any]:
-    size = np.abs(u[:, 2]) if along_z else np.linalg.norm(u, axis=1)
-    place = int(np.argmax(size))
-    return {"value": float(u[place, 2] if along_z else size[place]), **_where(rows, place)}
-
-
-def _von_mises(rows: Rows, of_faces: Mapping[str, Floats]) -> dict[str, Any]:
-    values = np.stack([np.ravel(v) for v in of_faces.values()])
-    face, place = np.unravel_index(int(np.argmax(values)), values.shape)
-    return {"value": float(values[face, place]), "face": list(of_faces)[face], **_where(rows, int(place))}
-
-
-def _where(rows: Rows, place: int) -> dict[str, Any]:
-    return {"at": rows.points[place].tolist(), "group": str(rows.group[place]) or None}
 
 
 def _plain(value: Any, where: str) -> Any:
