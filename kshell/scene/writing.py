@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kshell.errors import InputError
+from kshell.material.by_group import ELSE
 from kshell.material.materials import Isotropic
 from kshell.mesh.mesh import Mesh
 from kshell.scene.supports import Elastic, Fixed
@@ -31,12 +32,20 @@ BLOCKS = {
     "lines": "line",
 }
 
+# arguments that may be dicts by surface group
+BY_GROUP = ("thickness", "material", "layers", "section", "offset", "direction")
+
 
 def scene_data(scene: Scene) -> dict[str, Any]:
     """What `Scene.from_dict` makes the same scene of; meshes in memory and functions stand in it as they are."""
     data: dict[str, Any] = {}
     for key, value in _given(scene).items():
-        if key in BLOCKS:
+        if key in BY_GROUP and isinstance(value, Mapping):
+            for group, part in value.items():
+                table = data if group == ELSE else data.setdefault("group", {}).setdefault(group, {})
+                blocks = key in BLOCKS
+                table[BLOCKS.get(key, key)] = [_block(item) for item in part] if blocks else _plain(part)
+        elif key in BLOCKS:
             if value:
                 data[BLOCKS[key]] = [_block(item) for item in value]
         elif key == "probes":

@@ -80,6 +80,23 @@ def test_blocks_by_group_are_dicts_by_group():
     assert found.section == {"skin": ks.Section(A=UNIT, D=UNIT)}
 
 
+def test_scenes_by_group_are_saved(tmp_path):
+    scene = ks.Scene(
+        mesh=tmp_path / "plate.msh",
+        thickness={"*": 0.1, "rib": "0.2 + x"},
+        material={"*": STEEL, "rib": CARBON},
+        layers={"skin": LOPSIDED},
+        section={"web": ks.Section(A=UNIT, D=UNIT, S=np.eye(2), mass=2.0)},
+        offset={"rib": 0.05},
+        direction={"skin": (0, 1, 0)},
+    )
+    scene.save(tmp_path / "scene.toml")
+    again = ks.Scene.load(tmp_path / "scene.toml")
+    for key in ("material", "layers", "section", "offset", "direction"):
+        assert getattr(again, key) == getattr(scene, key)
+    assert again.thickness["*"] == 0.1
+
+
 def test_offset_and_direction_by_group_are_those_for_all_where_all_have_them():
     layers = [ks.Layer(CARBON, 0.02, 20)]
     one = answer(layers=layers, offset=0.01, direction=(0, 1, 0))
