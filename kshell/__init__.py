@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from kshell.result.mac import mac
     from kshell.result.result import Result
     from kshell.scene.cases import Case, Combination
+    from kshell.scene.contact import Contact, Obstacle
     from kshell.scene.imperfection import Imperfection
     from kshell.scene.line import Line
     from kshell.scene.loads import (
@@ -55,6 +56,7 @@ __all__ = [
     "Case",
     "Clamped",
     "Combination",
+    "Contact",
     "Damping",
     "EdgeMoment",
     "Elastic",
@@ -74,6 +76,7 @@ __all__ = [
     "Line",
     "LineForce",
     "Mesh",
+    "Obstacle",
     "Orthotropic",
     "PointForce",
     "PointMoment",
@@ -144,6 +147,7 @@ _LAZY = {
     "solve": "kshell.analysis.solve",
     "trace": "kshell.analysis.solve",
     "simulate": "kshell.analysis.solve",
+    **dict.fromkeys(("Contact", "Obstacle"), "kshell.scene.contact"),
     **dict.fromkeys(("Damping", "InitialVelocity"), "kshell.scene.motion"),
     "modes": "kshell.analysis.solve",
     "buckling": "kshell.analysis.solve",

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.first_mode import first_frequency
+from kshell.analysis.obstacles import barrier_of
 from kshell.analysis.run import Run, described
 from kshell.equilibrium.checkpoint import Store
 from kshell.equilibrium.model import NO_DENSITY, FiniteModel, Model
 from kshell.equilibrium.motion import saved
+from kshell.equilibrium.motion.contact import Barrier
 from kshell.equilibrium.motion.history import Observer, balance
 from kshell.equilibrium.motion.march import PER_PERIOD, Going, TimeSteps
 from kshell.equilibrium.motion.state import Motion
@@ -28,6 +30,8 @@ from kshell.scene.structure import Placed, Structure
 
 Floats = NDArray[np.float64]
 
+# times at which loads are looked at, for the stiffness of contact
+LOOKS = 9
 # times whose loads are kept: those of the ends and the middle of a step
 KEPT = 4
 
@@ -94,12 +98,18 @@ class Moving:
         viscosity = damping.viscosity or 0.0
         if damping.ratio is not None:
             viscosity = 2.0 * damping.ratio / self.frequency
-        scheme = "alpha" if options.scheme == "auto" else options.scheme
+        touching = scene.contact is not None
+        scheme = options.scheme if options.scheme != "auto" else "bdf2" if touching else "alpha"
+        if touching and scheme == "em":
+            raise InputError('scheme = "em" has no contact: take "alpha", "bdf2" or "euler"')
         self._equilibrium = lru_cache(KEPT)(lambda time: self.at(time).equilibrium())
-        self.integrator = Integrator(self._equilibrium, mass, scheme, viscosity, damping.drag)
+        barrier, how = self._barrier(run, mass) if touching else (None, "")
+        self.integrator = Integrator(self._equilibrium, mass, scheme, viscosity, damping.drag, barrier)
         fixed = options.step != "auto"
         step = options.step if fixed else 2.0 * np.pi / self.frequency / PER_PERIOD
-        self.steps = TimeSteps(self.integrator, options.time, min(step, options.time), fixed, self.frequency)
+        self.steps = TimeSteps(
+            self.integrator, options.time, min(step, options.time), fixed or touching, self.frequency
+        )
         self.words = (
             f"motion: scheme {scheme}, first step {self.steps.first:.4g}; the first mode has the period "
             f"{2.0 * np.pi / self.frequency:.6g}"
@@ -109,7 +119,33 @@ class Moving:
                 f"; viscosity {viscosity:.4g}: damping ratio {0.5 * viscosity * self.frequency:.4g} of the first mode, "
                 "of others in the ratio of their frequencies"
             )
+        if touching:
+            self.words += f"; {how}"
         self.velocity = scene.initial_velocity
+
+    def _barrier(self, run: Run, mass: Any) -> tuple[Barrier, str]:
+        """The barrier of contact."""
+        contact, model = run.scene.contact, self.model
+        assert contact is not None
+        area = float(model.structure.space.areas.sum())
+        speed = 0.0
+        if run.scene.initial_velocity is not None:
+            points = model.structure.space.points
+            at = Gravity(run.scene.initial_velocity.value).at(points)
+            speed = float(np.linalg.norm(at, axis=1).max())
+        density = float(mass.sum()) / 3.0 / area
+        impact, inertia = 0.5 * density * speed**2, density * self.frequency**2
+        times = np.linspace(0.0, run.options.time, LOOKS)
+        return barrier_of(
+            contact,
+            run.scene.obstacles,
+            model.contact_surface(),
+            model.thickness,
+            self._equilibrium,
+            times.tolist(),
+            impact,
+            inertia,
+        )
 
     def _starts_at_rest(self) -> None:
         given = self.at(0.0).equilibrium().reduction.given
@@ -157,7 +193,7 @@ class Moving:
     def recover(self, motion: Motion, work: float) -> Result:
         """The result of a state, inertia and damping acting as loads."""
         mass = self.integrator.mass
-        inertia = -(mass @ self.integrator.by_mass(motion.force)) - motion.damping
+        inertia = motion.contact - motion.damping - mass @ self.integrator.by_mass(motion.force)
         return self.at(motion.time).recover_state(replace(motion.state, factor=1.0), work, inertia)
 
 
@@ -252,7 +288,8 @@ def _fingerprint(moving: Moving, run: Run) -> str:
     """Tells motions apart: model, loads in time, and steps."""
     options, scene = run.options, run.scene
     way = (options.time, options.step, options.scheme, options.output, options.ramp)
-    given = (scene.loads, scene.supports, scene.initial_velocity, scene.damping)
+    given: tuple[Any, ...] = (scene.contact, scene.obstacles, scene.cuts)
+    given += (scene.loads, scene.supports, scene.initial_velocity, scene.damping)
     return f"{moving.model.fingerprint()} {moving.integrator.mass.sum()!r} {way} {given}"
 
 
@@ -279,7 +316,7 @@ def _doubts(moving: Moving, table: dict[str, Any]) -> list[str]:
     gained = table["kinetic_energy"] + table["strain_energy"] + table["dissipated_energy"]
     gained = gained - gained[0] - table["external_work"]
     largest = max(float(np.abs(table[name]).max()) for name in ("kinetic_energy", "strain_energy"))
-    if largest > 0.0 and gained.max() > GAINED * largest:
+    if moving.integrator.barrier is None and largest > 0.0 and gained.max() > GAINED * largest:
         out.append(
             f"the steps added energy, {gained.max() / largest:.1e} of the largest on the way: take shorter steps, or "
             'scheme = "em" where the structure turns far'

@@ -222,6 +222,11 @@ def answer(
     if not isinstance(scene, Scene):
         raise InputError(f"{shown(scene)} is not a scene: make one with ks.Scene(...) or ks.Scene.load(path)")
     chosen = scene.solve.updated(**options)
+    if scene.contact is not None and chosen.analysis != "dynamic":
+        raise InputError(
+            'contact is for a motion, analysis = "dynamic" (kshell simulate), where drag brings it to rest: take that, '
+            "or leave contact and obstacles out"
+        )
     if progress is not None:
         progress("read")
     begin = time.perf_counter()

@@ -240,6 +240,16 @@ class FiniteModel(Model):
             If there is no such probe.
         """
 
+    def contact_surface(self) -> tuple[Floats, NDArray[np.integer]]:
+        """(node, 3) places at rest, whose displacements are the first unknowns, and triangles through them.
+
+        Raises
+        ------
+        InputError
+            If the element has none.
+        """
+        raise InputError(f'contact is not for the element {self.element}: take element = "koiter"')
+
     @abstractmethod
     def linear_probes(self, solved: Solved) -> dict[str, dict[str, Any]]:
         """Values at the probes of a linear solution, as in `Result.probes`."""

@@ -76,8 +76,11 @@ def _series(result: Result, collection: str, stem: str = "") -> dict[str, Writer
 
 def _write_history(path: Path, history: Mapping[str, Any]) -> None:
     """The history of a motion as a table, vectors in three columns."""
-    columns: dict[str, Any] = {name: values for name, values in history.items() if name != "probes"}
+    columns: dict[str, Any] = {
+        name: values for name, values in history.items() if not isinstance(values, dict)
+    }
     columns |= {f"{name}.u": values["u"] for name, values in history.get("probes", {}).items()}
+    columns |= {f"contact_force.{name}": force for name, force in history.get("contact_force", {}).items()}
     heads, table = [], []
     for name, values in columns.items():
         if values.ndim == 1:

@@ -20,6 +20,7 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import shown
 from kshell.scene.cases import Case, Combination, load_factors
+from kshell.scene.contact import Contact, contact, obstacles
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import Load
@@ -155,6 +156,9 @@ class Scene:
         At the start of a motion.
     damping : Damping or dict, optional
         Of a motion.
+    contact : Contact or dict, optional
+        What touches in a motion; with obstacles alone the defaults.
+    obstacles : sequence of Obstacle
     title : str
     solve : SolveOptions or dict
         The defaults for `kshell.solve(scene)`.
@@ -188,6 +192,8 @@ class Scene:
     cuts: Annotated[Any, BeforeValidator(_cuts)] = ()
     initial_velocity: Any = None
     damping: Any = None
+    contact: Any = None
+    obstacles: Any = ()
     title: str = ""
     solve: Any = field(default_factory=SolveOptions)
     section: Annotated[Any, BeforeValidator(by_group(as_section))] = None
@@ -210,6 +216,9 @@ class Scene:
             )
         object.__setattr__(self, "initial_velocity", initial_velocity(self.initial_velocity))
         object.__setattr__(self, "damping", damping(self.damping))
+        object.__setattr__(self, "obstacles", obstacles(self.obstacles))
+        touching = contact(self.contact)
+        object.__setattr__(self, "contact", Contact() if touching is None and self.obstacles else touching)
         if isinstance(self.solve, Mapping):
             object.__setattr__(self, "solve", SolveOptions(**self.solve))
         if not isinstance(self.solve, SolveOptions):

@@ -14,6 +14,7 @@ from kshell.material.laminate import Layer
 from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
 from kshell.mesh.words import clipped, is_folder, shown
 from kshell.scene.cases import Case, Combination
+from kshell.scene.contact import Contact, obstacle_from
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
@@ -67,6 +68,7 @@ KEYS = [
     "cut",
     "initial",
     "damping",
+    "contact",
     "solve",
 ]
 LINE_KEYS = ["name", "from", "to", "n"]
@@ -235,6 +237,14 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
     if "initial" in data:
         with inside(f"{source}, [initial]", "initial velocity: "):
             arguments["initial_velocity"] = initial_from_dict(_table(data["initial"]))
+    if "contact" in data:
+        with inside(f"{source}, [contact]", "contact: "):
+            given = _table(data["contact"])
+            bodies = given.pop("with", [])
+            if not isinstance(bodies, list):
+                raise InputError(f"with = {shown(bodies)}: must be a list of obstacles")
+            arguments["obstacles"] = [obstacle_from(body, folder) for body in bodies]
+            arguments["contact"] = Contact(**given)
     if "damping" in data:
         with inside(f"{source}, [damping]", "damping: "):
             arguments["damping"] = Damping(**_table(data["damping"]))

@@ -44,6 +44,18 @@ def lattice(degree: int) -> Floats:
     return np.array(nodes)
 
 
+def subdivision(degree: int) -> NDArray[np.int64]:
+    """(degree^2, 3) triangles between neighbouring nodes of the lattice."""
+    number = {(round(x * degree), round(y * degree)): k for k, (x, y) in enumerate(lattice(degree).tolist())}
+    out = []
+    for i, j in number:
+        if i + j < degree:
+            out.append((number[i, j], number[i + 1, j], number[i, j + 1]))
+        if i + j < degree - 1:
+            out.append((number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]))
+    return np.array(out)
+
+
 @lru_cache(maxsize=8)
 def _lagrange(degree: int) -> DualBasis:
     return DualBasis(degree, monomials(degree, lattice(degree)))

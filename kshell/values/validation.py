@@ -42,7 +42,7 @@ def described(name: str) -> Callable[[T], T]:
         checked: Any = pydantic_dataclass(cls, config=CONFIG, frozen=True)
         unworded = checked.__init__
 
-        def __init__(self: Any, *args: Any, **kwargs: Any) -> None:
+        def __init__(self: Any, /, *args: Any, **kwargs: Any) -> None:
             try:
                 unworded(self, *args, **kwargs)
             except ValidationError as error:

@@ -57,13 +57,14 @@ class Viscous(OfStep):
         memory: Any = None,
         stress: Floats | None = None,
         initial: Floats | None = None,
+        projected: bool = False,
     ) -> Energy:
         """As `StrainEnergy.energy`."""
         scale = 1.0 + self.viscosity
         free = self.viscosity / scale * self.strain
         if initial is not None:
             free = free + initial
-        found = self.material.energy(x, derivatives, memory, stress, free)
+        found = self.material.energy(x, derivatives, memory, stress, free, projected)
         gradient = None if found.gradient is None else scale * found.gradient
         if found.hessian is not None:
             found.hessian.data *= scale
@@ -90,6 +91,7 @@ class Middle(OfStep):
         memory: Any = None,
         stress: Floats | None = None,
         initial: Floats | None = None,
+        projected: bool = False,
     ) -> Energy:
         """As `StrainEnergy.energy`; strains of the answer, and `stress`, are the mean ones."""
         material, q = self.material, self.viscosity
@@ -102,7 +104,8 @@ class Middle(OfStep):
         if derivatives == 0:
             return Energy(value)
         middle = 0.5 * (self.x + x)
-        found = material.energy(middle, derivatives, memory, acting if stress is None else stress)
+        acts = acting if stress is None else stress
+        found = material.energy(middle, derivatives, memory, acts, None, projected)
         gradient = material.forces(found.linear, acting)
         if found.hessian is not None:
             found.hessian.data *= 0.5 + q

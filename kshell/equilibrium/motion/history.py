@@ -1,8 +1,8 @@
 """What is kept of every step of a motion: energies, momenta, and displacements of probes.
 
 balance    |change of momentum - impulse of all forces| against the larger of both, the largest on the way; forces are
-           summed by the trapezoidal rule from those that loads and strains exert, so that it tells how well the steps
-           follow them
+           summed from those that loads and strains exert (trapezoidal rule; implicit Euler: those at the end of each
+           step), so that it tells how well the steps follow them
 """
 
 from __future__ import annotations
@@ -83,10 +83,15 @@ class Observer:
             work = last[3] + 0.5 * float((before.acting + seen.acting) @ moved)
             damping = 0.5 * (before.motion.damping + motion.damping)
             dissipated = last[4] + float(damping @ moved)
-            impulse = last[11:14] + 0.5 * step * (before.net + seen.net)
+            share = self.integrator.end_share
+            impulse = last[11:14] + step * ((1.0 - share) * before.net + share * seen.net)
         row = [motion.time, 0.5 * float(motion.velocity @ moving), motion.strain_energy, work, dissipated]
         row += [*momenta, *impulse, *-(rigid[:, :3].T @ held), motion.state.iterations]
         row += [float(part @ motion.x) for rows in self.probes.values() for part in rows]
+        barrier = self.integrator.barrier
+        if barrier is not None:
+            row.append(barrier.gap(motion.x))
+            row += [part for force in barrier.on_obstacles(motion.x).values() for part in force]
         self.rows.append(np.array(row))
         self._last = seen
 
@@ -110,6 +115,14 @@ class Observer:
         for name in self.probes:
             out["probes"][name] = {"u": values[:, start : start + 3]}
             start += 3
+        barrier = self.integrator.barrier
+        if barrier is not None:
+            out["smallest_gap"] = values[:, start]
+            names = list(barrier.surfaces.ranges)
+            start += 1
+            out["contact_force"] = {
+                name: values[:, start + 3 * k : start + 3 * k + 3] for k, name in enumerate(names)
+            }
         return out
 
 

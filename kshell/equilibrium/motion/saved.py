@@ -14,7 +14,7 @@ from kshell.equilibrium.motion.state import Before, Motion
 
 Floats = NDArray[np.float64]
 
-VECTORS = ("velocity", "acceleration", "force", "load", "damping", "strain")
+VECTORS = ("velocity", "acceleration", "force", "load", "damping", "contact", "strain")
 
 
 def write(store: Store, number: int, going: Going, rows: Sequence[Floats]) -> None:

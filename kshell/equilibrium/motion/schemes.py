@@ -56,9 +56,12 @@ class Scheme(ABC):
     ----------
     error : float
         The error of a step is about this number times step^2 times the change of the acceleration.
+    end_share : float
+        Share of the force at the end of a step in its impulse.
     """
 
     error: ClassVar[float]
+    end_share: ClassVar[float] = 0.5
 
     @abstractmethod
     def rule(self, motion: Motion, step: float, mass: sp.csr_matrix) -> Rule:
@@ -97,6 +100,7 @@ class Euler(Scheme):
     """Implicit Euler."""
 
     error = 0.5
+    end_share = 1.0
 
     def rule(self, motion: Motion, step: float, mass: sp.csr_matrix) -> Rule:
         return _backward(1.0 / step, motion.x, motion.velocity)

@@ -39,10 +39,12 @@ class Motion:
     velocity, acceleration : (unknowns,)
         Zero where there is no mass; the acceleration is that of the scheme.
     force : (unknowns,)
-        Loads less internal forces and damping; zero where there is no mass.
+        Loads and contact less internal forces and damping; zero where there is no mass.
     load : (unknowns,)
     damping : (unknowns,)
         Forces of drag and of a viscous material, against the motion.
+    contact : (unknowns,)
+        Forces of what the shell touches.
     strain_energy : float
         That of springs with it.
     strain : (triangle, r)
@@ -57,6 +59,7 @@ class Motion:
     force: Floats
     load: Floats
     damping: Floats
+    contact: Floats
     strain_energy: float
     strain: Floats
     before: Before | None = None

@@ -15,6 +15,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from kshell.equilibrium.motion.contact import Barrier
+from kshell.equilibrium.motion.downhill import downhill
 from kshell.equilibrium.motion.energies import Middle, Viscous
 from kshell.equilibrium.motion.schemes import Alpha, Bdf2, Euler, Scheme, earlier
 from kshell.equilibrium.motion.state import Before, Motion
@@ -44,6 +46,8 @@ class Integrator:
         Time tau of a material of Kelvin and Voigt: its stress is that of the strain plus tau times the strain rate.
     drag : float
         Force on mass and velocity, per time.
+    barrier : Barrier, optional
+        Of contact; not with "em".
     """
 
     def __init__(
@@ -53,9 +57,10 @@ class Integrator:
         scheme: str = "alpha",
         viscosity: float = 0.0,
         drag: float = 0.0,
+        barrier: Barrier | None = None,
     ) -> None:
         self.loaded, self.viscosity, self.drag = loaded, viscosity, drag
-        self.mass = mass.tocsr()
+        self.mass, self.barrier = mass.tocsr(), barrier
         self.mass.sum_duplicates()
         self.scheme: Scheme | None = None if scheme == ENERGY_MOMENTUM else SCHEMES[scheme]()
         self.massive = self.mass.diagonal() > 0.0
@@ -69,6 +74,11 @@ class Integrator:
     def error(self) -> float:
         """The error of a step is about this times step^2 times the change of the acceleration."""
         return MIDDLE_ERROR if self.scheme is None else self.scheme.error
+
+    @property
+    def end_share(self) -> float:
+        """Share of the force at the end of a step in its impulse."""
+        return 0.5 if self.scheme is None else self.scheme.end_share
 
     def by_mass(self, force: Floats) -> Floats:
         """(unknowns,) the motion that the mass turns into a force on what is free: velocity of a momentum."""
@@ -104,7 +114,7 @@ class Integrator:
         energy: Any = problem.energy
         if self.viscosity:
             energy = Viscous(energy, motion.strain, self.viscosity / size)
-        found = self._correct(problem, motion, energy, problem.springs, coefficient, known)
+        found = self._correct(problem, motion, energy, problem.springs, coefficient, known, size)
         moved = found.x + (found.turned - motion.state.turned)
         velocity = np.where(self.massive, rule.d * moved - rule.velocity, 0.0)
         acceleration = np.where(self.massive, rule.c * moved - rule.acceleration, 0.0)
@@ -132,7 +142,7 @@ class Integrator:
 
             problem = replace(problem, follower=halfway)
         problem = replace(problem, reduction=end.reduction, initial=end.initial)
-        found = self._correct(problem, motion, energy, springs, coefficient, known)
+        found = self._correct(problem, motion, energy, springs, coefficient, known, size)
         moved = found.x + (found.turned - motion.state.turned)
         velocity = np.where(self.massive, 2.0 / size * (moved - x) - motion.velocity, 0.0)
         acceleration = (velocity - motion.velocity) / size
@@ -148,6 +158,7 @@ class Integrator:
         springs: sp.spmatrix | None,
         coefficient: float,
         known: Floats,
+        size: float,
     ) -> State:
         """The equilibrium of a step, from the state before it."""
         inertia = coefficient * self.mass
@@ -163,7 +174,12 @@ class Integrator:
             scale=0.5 * float(motion.velocity @ (self.mass @ motion.velocity)),
         )
         step.__dict__.update(self._kept)
-        found = correct(step, replace(motion.state, factor=0.0, negative=0), 1.0)
+        before_it = replace(motion.state, factor=0.0, negative=0)
+        if self.barrier is None:
+            found = correct(step, before_it, 1.0)
+        else:
+            self.barrier.begin(motion.x, motion.time, motion.time + size)
+            found = downhill(step, self.barrier, before_it)
         self._kept = {key: step.__dict__[key] for key in KEPT if key in step.__dict__}
         return found
 
@@ -191,7 +207,9 @@ class Integrator:
         if problem.springs is not None:
             pull = problem.springs @ state.x
             internal, value = internal + pull, value + 0.5 * float(state.x @ pull)
-        force = np.where(self.massive, load - internal - damping, 0.0)
+        contact = np.zeros_like(load) if self.barrier is None else -self.barrier.gradient(state.x)
+        force = np.where(self.massive, load + contact - internal - damping, 0.0)
+        strains = energy.linear.strain
         return Motion(
-            time, state, velocity, acceleration, force, load, damping, value, energy.linear.strain, before
+            time, state, velocity, acceleration, force, load, damping, contact, value, strains, before
         )

@@ -14,6 +14,7 @@ from kshell.scene.structure import Structure
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
+from kshell.shell.reference import subdivision
 from kshell.shell.supports import hinge_edges
 
 Floats = NDArray[np.float64]
@@ -56,6 +57,10 @@ class KoiterModel(ShellModel):
         hinges = hinge_edges(structure.supports, structure.space)
         discretisation = KoiterDiscretisation(structure.parameters, order, lift, hinges, offsets)
         super().__init__(ShellProblem(structure, discretisation), reasons)
+
+    def contact_surface(self) -> tuple[Floats, NDArray[np.integer]]:
+        surface = self.problem.discretisation.surface
+        return surface.nodes, surface.triangle_nodes[:, subdivision(self.order)].reshape(-1, 3)
 
 
 def moved_mesh(mesh: Mesh, order: int, offsets: Floats) -> Mesh:

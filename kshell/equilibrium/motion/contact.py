@@ -1,0 +1,286 @@
+"""Contact without a state that intersects: a barrier between surfaces, and steps that stop before they meet.
+
+The barrier (Li et al., ACM Trans. Graph. 39(4), 2020, article 49; Li, Kaufman and Jiang, 40(4), 2021, article 170) is
+felt within a distance d^ beyond the thickness and grows without bound at the thickness. Its stiffness is a pressure:
+at d^ / 2 it carries 1.19 of it. Friction is that of Coulomb, smoothed below a speed of sliding, with the normal forces
+of the start of each step. All of it is computed by ipctk, on a triangulation of the shell through its nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.errors import InputError, SolveError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+MISSING = 'contact needs the package ipctk: pip install "kshell[contact]"'
+# part of the step to the first touch that is made
+BACK = 0.9
+
+
+@dataclass(frozen=True)
+class Body:
+    """An obstacle as triangles.
+
+    Attributes
+    ----------
+    name : str
+    points : (n, 3)
+        At the time 0.
+    faces : (m, 3)
+    displacement : function of the time
+        (3,) since the time 0.
+    """
+
+    name: str
+    points: Floats
+    faces: Ints
+    displacement: Callable[[float], Floats]
+
+
+@dataclass(frozen=True)
+class Touch:
+    """How surfaces touch.
+
+    Attributes
+    ----------
+    thickness, distance : float
+        Distance that is kept, and that beyond it within which the barrier is felt.
+    stiffness : float
+        Of the barrier, a pressure.
+    friction, speed : float
+    of_itself : bool
+    """
+
+    thickness: float
+    distance: float
+    stiffness: float
+    friction: float
+    speed: float
+    of_itself: bool
+
+
+def library() -> Any:
+    """ipctk, on one thread.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    try:
+        import ipctk
+    except ImportError:
+        raise InputError(MISSING) from None
+    ipctk.set_num_threads(1)
+    return ipctk
+
+
+class Surfaces:
+    """The triangles of a shell and of obstacles.
+
+    Parameters
+    ----------
+    points : (node, 3)
+        Of the shell at rest; its first unknowns are their displacements.
+    faces : (m, 3)
+    bodies : sequence of Body
+    of_itself : bool
+    """
+
+    def __init__(self, points: Floats, faces: Ints, bodies: Sequence[Body], of_itself: bool) -> None:
+        self.ipc, self.bodies, self.count = library(), bodies, len(points)
+        places, parts = [points], [faces]
+        self.ranges: dict[str, slice] = {}
+        first = len(points)
+        for body in bodies:
+            places.append(body.points)
+            parts.append(body.faces + first)
+            self.ranges[body.name] = slice(first, first + len(body.points))
+            first += len(body.points)
+        self.rest = np.asfortranarray(np.concatenate(places))
+        self.faces = np.asfortranarray(np.concatenate(parts).astype(np.int32))
+        self.edges = np.asfortranarray(self.ipc.edges(self.faces))
+        self.mesh = self.ipc.CollisionMesh(self.rest, self.edges, self.faces)
+        allowed = self.ipc.make_static_obstacle_filter(self.count)
+        if not of_itself:
+            patch = np.concatenate([np.zeros(self.count), np.ones(first - self.count)]).astype(np.int32)
+            allowed = allowed & self.ipc.make_vertex_patches_filter(patch)
+        self.mesh.can_collide = allowed
+
+    def at(self, x: Floats, time: float) -> Floats:
+        """(point, 3) places of all points."""
+        out = self.rest.copy(order="F")
+        out[: self.count] += x[: 3 * self.count].reshape(-1, 3)
+        for body in self.bodies:
+            out[self.ranges[body.name]] += body.displacement(time)
+        return np.asfortranarray(out)
+
+    def collisions(self, places: Floats, distance: float, thickness: float) -> Any:
+        """All pairs nearer than a distance beyond the thickness."""
+        found = self.ipc.NormalCollisions()
+        found.use_area_weighting = True
+        found.build(self.mesh, places, distance, thickness)
+        return found
+
+    def gap(self, places: Floats, distance: float) -> float:
+        """The smallest distance, if it is below the one given; that one otherwise."""
+        found = self.collisions(places, distance, 0.0)
+        return (
+            distance if found.empty() else float(np.sqrt(found.compute_minimum_distance(self.mesh, places)))
+        )
+
+    def crossing(self, places: Floats) -> tuple[Floats, Floats] | None:
+        """Centres of two triangles that intersect, None where none do."""
+        if not self.ipc.has_intersections(self.mesh, places):
+            return None
+        broad = self.ipc.BruteForce() if len(self.faces) < 200 else self.ipc.HashGrid()
+        broad.can_vertices_collide = self.mesh.can_collide
+        broad.build(places, self.edges, self.faces, 0.0)
+        for pair in broad.detect_edge_face_candidates():
+            edge, face = self.edges[pair.edge_id], self.faces[pair.face_id]
+            if set(edge) & set(face):
+                continue
+            if self.ipc.is_edge_intersecting_triangle(*places[edge], *places[face]):
+                holder = next(k for k, corners in enumerate(self.faces) if set(edge) <= set(corners))
+                return places[self.faces[holder]].mean(axis=0), places[face].mean(axis=0)
+        return places[0], places[-1]
+
+    def nearest(self, places: Floats, distance: float) -> tuple[Floats, Floats] | None:
+        """Two places nearer to each other than a distance, of the nearest pair."""
+        found = self.collisions(places, distance, 0.0)
+        best, pair = np.inf, None
+        for number in range(len(found)):
+            one = found[number]
+            ids = [k for k in one.vertex_ids(self.edges, self.faces) if k >= 0]
+            size = one.compute_distance(places[ids].ravel())
+            if size < best:
+                half = 1 if len(ids) < 4 or found.is_face_vertex(number) else 2
+                best, pair = size, (places[ids[:half]].mean(axis=0), places[ids[half:]].mean(axis=0))
+        return pair
+
+
+class Barrier:
+    """Forces of contact in one motion."""
+
+    def __init__(self, surfaces: Surfaces, touch: Touch, unknowns: int) -> None:
+        self.surfaces, self.touch, self.unknowns = surfaces, touch, unknowns
+        ipc = surfaces.ipc
+        self._barrier = ipc.BarrierPotential(touch.distance, touch.stiffness, use_physical_barrier=True)
+        self._friction: Any = ipc.FrictionPotential(touch.speed) if touch.friction > 0.0 else None
+        self._clamped, self._true = ipc.PSDProjectionMethod.CLAMP, ipc.PSDProjectionMethod.NONE
+        self._ccd = ipc.AdditiveCCD()
+        self._sliding: Any = None
+        self._start = surfaces.rest
+        self._begin, self._end, self._made = (
+            0.0,
+            0.0,
+            1.0,
+        )  # the last: of the way of obstacles within the step
+        self._near: tuple[Floats, Any] | None = None  # places and their pairs, as last asked for
+
+    def begin(self, x: Floats, begin: float, end: float) -> None:
+        """A step from x between two times; obstacles that move start where they were."""
+        surfaces = self.surfaces
+        self._begin, self._end = begin, end
+        self._start = surfaces.at(x, begin)
+        self._made = 1.0 if np.array_equal(self._start, surfaces.at(x, end)) else 0.0
+        self._sliding = None
+        if self._friction is not None:
+            near = self._pairs(self._start)
+            self._sliding = surfaces.ipc.TangentialCollisions()
+            self._sliding.build(surfaces.mesh, self._start, near, self._barrier, self.touch.friction)
+
+    def advance(self, x: Floats) -> bool:
+        """Move obstacles toward their places at the end of the step as far as x lets them; whether they are there."""
+        if self._made < 1.0:
+            part = self._free(self._at(x), self.surfaces.at(x, self._end))
+            self._made = 1.0 if part >= 1.0 else self._made + BACK * part * (1.0 - self._made)
+        return self._made == 1.0
+
+    def _at(self, x: Floats) -> Floats:
+        """(point, 3) places, obstacles as far as they have come."""
+        places = self.surfaces.at(x, self._end)
+        if self._made < 1.0:
+            rest = (1.0 - self._made) * (self.surfaces.at(x, self._begin) - places)
+            places = np.asfortranarray(places + rest)
+        return places
+
+    def gradient(self, x: Floats) -> Floats:
+        """(unknowns,) derivative of the potential: minus the forces on the shell."""
+        return self._on_shell(self._forces(self._at(x)))
+
+    def _forces(self, places: Floats) -> Floats:
+        """(3 points,) derivative of the potential by all points."""
+        surfaces = self.surfaces
+        near = self._pairs(places)
+        out = self._barrier.gradient(near, surfaces.mesh, places)
+        if self._sliding is not None:
+            out = out + self._friction.gradient(self._sliding, surfaces.mesh, self._velocity(places))
+        return np.asarray(out)
+
+    def _pairs(self, places: Floats) -> Any:
+        if self._near is None or not np.array_equal(self._near[0], places):
+            touch = self.touch
+            self._near = (places, self.surfaces.collisions(places, touch.distance, touch.thickness))
+        return self._near[1]
+
+    def _velocity(self, places: Floats) -> Floats:
+        return np.asfortranarray((places - self._start) / (self._end - self._begin))
+
+    def _on_shell(self, forces: Floats) -> Floats:
+        out = np.zeros(self.unknowns)
+        out[: 3 * self.surfaces.count] = forces[: 3 * self.surfaces.count]
+        return out
+
+    def hessian(self, x: Floats, projected: bool) -> sp.csr_matrix | None:
+        """(unknowns, unknowns) second derivative, without negative parts if projected; None where nothing touches."""
+        surfaces = self.surfaces
+        places = self._at(x)
+        kind = self._clamped if projected else self._true
+        near = self._pairs(places)
+        found = self._barrier.hessian(near, surfaces.mesh, places, kind)
+        if self._sliding is not None:
+            sliding = self._friction.hessian(self._sliding, surfaces.mesh, self._velocity(places), kind)
+            found = found + sliding / (self._end - self._begin)
+        n = 3 * surfaces.count
+        found = found.tocsr()[:n, :n]
+        if not found.nnz:
+            return None
+        found.resize(self.unknowns, self.unknowns)
+        return found
+
+    def largest_step(self, x: Floats, change: Floats) -> float:
+        """The part of a change of x that may be made before anything touches."""
+        part = self._free(self._at(x), self._at(x + change))
+        return 1.0 if part >= 1.0 else BACK * part
+
+    def _free(self, before: Floats, after: Floats) -> float:
+        return float(
+            self.surfaces.ipc.compute_collision_free_stepsize(
+                self.surfaces.mesh, before, after, self.touch.thickness, narrow_phase_ccd=self._ccd
+            )
+        )
+
+    def on_obstacles(self, x: Floats) -> dict[str, Floats]:
+        """(3,) force of the shell on each obstacle at the end of the step."""
+        forces = self._forces(self._at(x)).reshape(-1, 3)
+        return {name: -forces[part].sum(axis=0) for name, part in self.surfaces.ranges.items()}
+
+    def gap(self, x: Floats) -> float:
+        """Smallest distance less the thickness, up to that at which surfaces feel each other."""
+        touch = self.touch
+        return self.surfaces.gap(self._at(x), touch.distance + touch.thickness) - touch.thickness
+
+    def require_free(self, x: Floats) -> None:
+        """Raise SolveError if something intersects, which no step may leave behind."""
+        if self.surfaces.ipc.has_intersections(self.surfaces.mesh, self._at(x)):
+            raise SolveError("surfaces intersect after the step")
