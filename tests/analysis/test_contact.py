@@ -102,6 +102,7 @@ def nothing_crosses(result, scene):
         assert not independent(np.concatenate(places), np.concatenate(faces))
 
 
+@pytest.mark.full
 def test_drape_over_a_ball(ipctk):
     """A sheet falls on a ball; order 1, so its triangles are those of contact."""
     scene = ks.Scene(
@@ -124,6 +125,7 @@ def test_drape_over_a_ball(ipctk):
     nothing_crosses(result, scene)
 
 
+@pytest.mark.full
 def test_a_plate_that_moves_presses(ipctk):
     """A strip on two supports is pressed down by a cylinder that moves: it follows, with the force on the cylinder."""
     down = "-0.02*min(t/0.06, 1)"
