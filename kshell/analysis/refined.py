@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from kshell.analysis.refined_mesh import refined, shape_is_known
 from kshell.analysis.run import Run
+from kshell.analysis.shear import account_for_shear
 from kshell.analysis.static import Answered, answer_once
-from kshell.equilibrium.model import Model
+from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
 from kshell.error.assessment import ENERGY, PROBES, Assessment
 from kshell.error.bounds import PlatePair
@@ -322,6 +323,8 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
         wanted = loop.names or [ENERGY]
         level.half_width = max(found.relative(name) for name in wanted)
     found.document(result, run.options.quantity)
+    if isinstance(level.answered.state, Solved):
+        account_for_shear(result, level.answered.model, level.answered.state, run.options)
     error = result.error
     error["levels"] = [
         {"unknowns": each.unknowns, "half_width": _finite(each.half_width), "seconds": each.seconds}

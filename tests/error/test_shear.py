@@ -104,3 +104,14 @@ def test_without_shear_stiffness_the_entry_is_null_with_a_reason():
     flat = ks.Anisotropic(C=12 / t**3 * D)
     assert share(square(ks.SimplySupported, t, thickness=t, material=flat)) is None
     assert share(square(ks.SimplySupported, t), error="off") is None
+
+
+def test_shear_beyond_the_tolerance_is_warned_of():
+    result = ks.solve(square(ks.SoftSupported, 0.02, n=4), tolerance=0.005)
+    assert result.error["budget"]["shear"] == pytest.approx(1.9259e-2, rel=0.03)
+    words = [warning for warning in result.warnings if "shear" in warning]
+    assert len(words) == 1
+    assert "the deflection of" in words[0]
+    assert not [
+        w for w in ks.solve(square(ks.SimplySupported, 0.02, n=4), tolerance=0.005).warnings if "shear" in w
+    ]
