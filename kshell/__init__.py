@@ -12,6 +12,7 @@ from kshell.errors import InputError, KshellError, KshellWarning, SolveError
 from kshell.version import __version__
 
 if TYPE_CHECKING:
+    from kshell.analysis.converge import converge
     from kshell.analysis.solve import buckling, modes, simulate, solve, trace
     from kshell.analysis.sweep import sweep
     from kshell.material.given import Section
@@ -93,6 +94,7 @@ __all__ = [
     "Traction",
     "__version__",
     "buckling",
+    "converge",
     "geometry",
     "mac",
     "modes",
@@ -151,6 +153,7 @@ _LAZY = {
     **dict.fromkeys(("Damping", "InitialVelocity"), "kshell.scene.motion"),
     "modes": "kshell.analysis.solve",
     "buckling": "kshell.analysis.solve",
+    "converge": "kshell.analysis.converge",
     "sweep": "kshell.analysis.sweep",
     "mac": "kshell.result.mac",
 }

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kshell.scene.scene import Scene
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-COMMANDS = ("solve", "modes", "buckling", "trace", "simulate", "check", "sweep", "diff", "verify")
+COMMANDS = ("solve", "modes", "buckling", "trace", "simulate", "converge", "check", "sweep", "diff", "verify")
 INTERRUPTED = 130
 
 app = typer.Typer(
@@ -360,6 +360,33 @@ def _eigen(
         from kshell.cli.terminal import print_result
 
         print_result(result, written, time.perf_counter() - begin)
+
+
+@app.command()
+def converge(
+    source: SceneOnly,
+    levels: Annotated[int, typer.Option(help="How many meshes, at least 3.")] = 4,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="DIR", help="Write convergence.json and convergence.png here."
+        ),
+    ] = None,
+    set_: Overrides = None,
+    allow_system: AllowSystem = False,
+    debug: Debug = False,
+) -> None:
+    """Solve a scene on meshes that are halved: observed rates, and what the values tend to by Richardson."""
+    from kshell.cli.study import save_study, study_lines, study_of
+
+    if not is_scene(source):
+        raise InputError(f"{source}: converge needs a scene file, .toml")
+    found = study_of(scene_of(source, {}, set_ or []), levels, allow_system)
+    for line in study_lines(found):
+        typer.echo(line)
+    if output is not None:
+        for path in save_study(found, output):
+            typer.echo(f"written: {path}")
 
 
 @app.command()

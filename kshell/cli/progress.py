@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 PATIENCE = 1.0  # seconds before progress is shown to someone who watches
 # seconds before the first plain line into a pipe or file, and between two of them
 PLAIN_EVERY = 10.0
+LEVEL = "level "  # words that a line of their own is kept for: each mesh of a refinement
 
 
 class Progress:
@@ -41,10 +42,18 @@ class Progress:
         with self._lock:
             self.stage = stage
             self._note(stage)
-            if self._bar is not None:
+            if stage.startswith(LEVEL):
+                self._keep(f"kshell: {stage}")
+            elif self._bar is not None:
                 self._bar.update(self._bar.task_ids[0], description=stage)
             elif not sys.stderr.isatty():
                 self._plain()
+
+    def _keep(self, line: str) -> None:
+        if self._bar is None:
+            print(line, file=sys.stderr, flush=True)
+        else:
+            self._bar.console.print(line, markup=False, highlight=False)
 
     def _note(self, words: str) -> None:
         if self._log is not None:

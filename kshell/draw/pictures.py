@@ -39,7 +39,13 @@ SHELL_FIELDS: dict[str, tuple[str, int, str]] = {
 
 
 def pictures(result: Result) -> tuple[str, ...]:
-    """The names of the pictures that a result has."""
+    """The names of the pictures that a result has; of a refined one its error on the mesh, and how it fell."""
+    refined = ("error", "convergence") if result.last_mesh is not None else ()
+    return (*_of_analysis(result), *refined)
+
+
+def _of_analysis(result: Result) -> tuple[str, ...]:
+    """The pictures that the analysis of a result has."""
     if result.response:
         return ("response", "mesh")
     if result.analysis in MODAL:

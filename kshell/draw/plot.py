@@ -11,6 +11,7 @@ import numpy as np
 
 from kshell.draw.field_plot import field_figure
 from kshell.draw.history_plot import film_figure, history_figure
+from kshell.draw.levels_plot import error_figure, levels_figure
 from kshell.draw.mode_plot import mode_figure, modes_figure
 from kshell.draw.path_plot import path_figure
 from kshell.draw.pictures import MODAL, picture_values, pictures
@@ -40,6 +41,10 @@ def plot(result: Result, what: str = "deflection") -> Figure:
         raise InputError(f'no picture "{what}": {suggestion(what, known)}the pictures are {listing(known)}')
     if what == "load_deflection":
         return path_figure(result)
+    if what == "error":
+        return error_figure(result)
+    if what == "convergence":
+        return levels_figure(result)
     if what == "response":
         return response_figure(result)
     if what == "history":
