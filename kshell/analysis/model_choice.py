@@ -152,6 +152,30 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
             )
     if options.damping and options.analysis != "response":
         raise InputError('damping is for analysis = "response": leave it out')
+    for key, given in (
+        ("time", options.time is not None),
+        ("step", options.step != "auto"),
+        ("ramp", options.ramp is not None),
+    ):
+        if given and options.analysis != "dynamic":
+            raise InputError(
+                f'{key} is for analysis = "dynamic" (kshell simulate): leave it out, or take that'
+            )
+    if options.tolerance is not None and options.analysis == "path":
+        raise InputError(
+            "tolerance: the error of a path is not known: leave it out, or take one state with "
+            "large_deflection = true"
+        )
+    if options.large_deflection is True and options.analysis in BENDING and not options.prestress:
+        instead = (
+            "give prestress = true, for modes about the state of large deflections"
+            if options.analysis == "modes"
+            else 'follow the path, analysis = "path"'
+        )
+        raise InputError(
+            f'large_deflection = true with analysis = "{options.analysis}": that is linear theory; leave it out, or '
+            f"{instead}"
+        )
     if options.analysis == "dynamic":
         _require_motion(options)
     followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
