@@ -84,7 +84,7 @@ def _regime(options: SolveOptions) -> str:
         return {"modes": "natural frequencies", "buckling": "linear buckling", "response": "harmonic loads"}[
             options.analysis
         ]
-    if options.large_asked:
+    if options.large_asked or options.analysis == "dynamic":
         return "large deflections"
     return "small deflections" + (
         "" if options.large_deflection is False else ", large ones where they matter"

@@ -48,7 +48,7 @@ def minimise(problem: Problem, state: State, factor: float, most_iterations: int
         work = float(reduced @ step)
         if not np.isfinite(work):
             break
-        scale = abs(energy.value) + abs(factor * float(growth @ x))
+        scale = problem.scale + abs(energy.value) + abs(factor * float(growth @ x))
         if true and work <= FINISHED * scale:
             found = State(factor, x + basis @ step, state.memory, iteration, 0, state.turned)
             return problem.settle(found)

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from kshell.equilibrium.minimise import minimise
 from kshell.equilibrium.motion.contact import Barrier
 from kshell.equilibrium.motion.downhill import downhill
 from kshell.equilibrium.motion.energies import Middle, Viscous
@@ -22,6 +23,7 @@ from kshell.equilibrium.motion.schemes import Alpha, Bdf2, Euler, Scheme, earlie
 from kshell.equilibrium.motion.state import Before, Motion
 from kshell.equilibrium.newton import correct
 from kshell.equilibrium.problem import Problem, State
+from kshell.errors import SolveError
 
 Floats = NDArray[np.float64]
 
@@ -176,12 +178,21 @@ class Integrator:
         step.__dict__.update(self._kept)
         before_it = replace(motion.state, factor=0.0, negative=0)
         if self.barrier is None:
-            found = correct(step, before_it, 1.0)
+            found = self._converged(step, before_it)
         else:
             self.barrier.begin(motion.x, motion.time, motion.time + size)
             found = downhill(step, self.barrier, before_it)
         self._kept = {key: step.__dict__[key] for key in KEPT if key in step.__dict__}
         return found
+
+    def _converged(self, step: Problem, state: State) -> State:
+        """By Newton's method with extrapolated stress, downhill where that has no answer."""
+        try:
+            return correct(step, state, 1.0)
+        except SolveError:
+            if self.scheme is None:  # the equilibrium in the middle of a step is not that of an energy
+                raise
+        return minimise(step, state, 1.0)
 
     def _finished(
         self,
