@@ -1,4 +1,5 @@
-"""The command line: `kshell solve`, `modes`, `buckling`, `trace`, `simulate`, `check`, `sweep`, `diff`, `verify`.
+"""The command line: `kshell solve`, `modes`, `buckling`, `trace`, `simulate`, `check`, `sweep`, `diff`, `report`,
+`verify`.
 
 Exit codes: 0 answered, 1 no answer, 2 bad input, 130 interrupted. Errors are one message on stderr; a
 traceback only with --debug. Heavy imports happen inside the commands: help is immediate.
@@ -24,7 +25,19 @@ if TYPE_CHECKING:
     from kshell.scene.scene import Scene
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
-COMMANDS = ("solve", "modes", "buckling", "trace", "simulate", "converge", "check", "sweep", "diff", "verify")
+COMMANDS = (
+    "solve",
+    "modes",
+    "buckling",
+    "trace",
+    "simulate",
+    "converge",
+    "check",
+    "sweep",
+    "diff",
+    "report",
+    "verify",
+)
 INTERRUPTED = 130
 
 app = typer.Typer(
@@ -51,6 +64,9 @@ JsonFile = Annotated[
 Pictures = Annotated[
     bool,
     typer.Option("--plot", help="Write pictures too; without -o into a folder named after the scene."),
+]
+Report = Annotated[
+    bool, typer.Option("--report", help="Write report.html, a report that needs no other file; with -o.")
 ]
 Overrides = Annotated[
     list[str] | None,
@@ -102,6 +118,7 @@ def solve(
     ] = None,
     json: JsonFile = None,
     plot: Pictures = False,
+    report: Report = False,
     set_: Overrides = None,
     thickness: Annotated[
         str | None, typer.Option(help="Of a mesh file: number or expression in x, y, z.", show_default=False)
@@ -180,6 +197,7 @@ def solve(
         "geometry": geometry,
     }
     begin = time.perf_counter()
+    _needs_folder(report, output)
     scene = scene_of(source, plate, set_ or [])
     given = {"model": model, "element": element, "order": number(order), "solver": solver}
     given |= {"large_deflection": flag(large_deflection), "steps": number(steps)}
@@ -189,11 +207,11 @@ def solve(
     try:
         result = _solve(scene, options, allow_system, log)
     except (SolveError, Interrupted) as error:
-        _save_last(error.state, folder, plot, json)
+        _save_last(error.state, folder, plot, report, json)
         raise
     written: list[str] = []
     if folder is not None:
-        written += result.save(folder, plots=plot)
+        written += result.save(folder, plots=plot, report=report)
     written += _write_json(result, json)
     if json != "-":
         from kshell.cli.terminal import print_result
@@ -217,13 +235,14 @@ def trace(
     resume: Annotated[bool, typer.Option("--resume", help="Go on after the last step in DIR.")] = False,
     json: JsonFile = None,
     plot: Pictures = False,
+    report: Report = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
     log: Log = None,
     debug: Debug = False,
 ) -> None:
     """Follow large deflections while the loads grow from zero to their full size."""
-    _in_steps("trace", source, output, resume, json, plot, set_, allow_system, log)
+    _in_steps("trace", source, output, resume, json, plot, report, set_, allow_system, log)
 
 
 @app.command()
@@ -242,13 +261,14 @@ def simulate(
     resume: Annotated[bool, typer.Option("--resume", help="Go on after the last state in DIR.")] = False,
     json: JsonFile = None,
     plot: Pictures = False,
+    report: Report = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
     log: Log = None,
     debug: Debug = False,
 ) -> None:
     """Motion in time, under loads and prescribed motions that may depend on t."""
-    _in_steps("simulate", source, output, resume, json, plot, set_, allow_system, log)
+    _in_steps("simulate", source, output, resume, json, plot, report, set_, allow_system, log)
 
 
 def _in_steps(
@@ -258,6 +278,7 @@ def _in_steps(
     resume: bool,
     json: str | None,
     plot: bool,
+    report: bool,
     set_: list[str] | None,
     allow_system: bool,
     log: Path | None,
@@ -265,6 +286,7 @@ def _in_steps(
     if not is_scene(source):
         raise InputError(f"{source}: {command} needs a scene file, .toml")
     begin = time.perf_counter()
+    _needs_folder(report, output)
     scene = scene_of(source, {}, set_ or [])
     folder = output or (Path(f"{source.stem}-result") if plot else None)
     if resume and folder is None:
@@ -274,9 +296,9 @@ def _in_steps(
             command, scene, None if folder is None else folder / "steps", resume, allow_system, log
         )
     except (SolveError, Interrupted) as error:
-        _save_last(error.state, folder, plot, json)
+        _save_last(error.state, folder, plot, report, json)
         raise
-    written = [] if folder is None else result.save(folder, plots=plot)
+    written = [] if folder is None else result.save(folder, plots=plot, report=report)
     written += _write_json(result, json)
     if json != "-":
         from kshell.cli.terminal import print_result
@@ -293,6 +315,7 @@ def modes(
     output: Output = None,
     json: JsonFile = None,
     plot: Pictures = False,
+    report: Report = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
     log: Log = None,
@@ -310,7 +333,7 @@ def modes(
     options: dict[str, Any] = {"count": count, "tolerance": tolerance, "prestress": prestress or None}
     if range_ is not None:
         options["range"] = _frequencies(range_)
-    _eigen(source, "modes", options, output, json, plot, set_, allow_system, log)
+    _eigen(source, "modes", options, output, json, plot, report, set_, allow_system, log)
 
 
 @app.command()
@@ -319,6 +342,7 @@ def buckling(
     output: Output = None,
     json: JsonFile = None,
     plot: Pictures = False,
+    report: Report = False,
     set_: Overrides = None,
     allow_system: AllowSystem = False,
     log: Log = None,
@@ -326,7 +350,12 @@ def buckling(
     debug: Debug = False,
 ) -> None:
     """Factors by which the loads may grow before the structure buckles, by linear theory."""
-    _eigen(source, "buckling", {"count": count}, output, json, plot, set_, allow_system, log)
+    _eigen(source, "buckling", {"count": count}, output, json, plot, report, set_, allow_system, log)
+
+
+def _needs_folder(report: bool, output: Path | None) -> None:
+    if report and output is None:
+        raise InputError("--report needs -o DIR, the folder of report.html")
 
 
 def _frequencies(text: str) -> tuple[float, ...]:
@@ -343,6 +372,7 @@ def _eigen(
     output: Path | None,
     json: str | None,
     plot: bool,
+    report: bool,
     set_: list[str] | None,
     allow_system: bool,
     log: Path | None,
@@ -350,11 +380,12 @@ def _eigen(
     if not is_scene(source):
         raise InputError(f"{source}: {analysis} needs a scene file, .toml")
     begin = time.perf_counter()
+    _needs_folder(report, output)
     scene = scene_of(source, {}, set_ or [])
     given = {key: value for key, value in options.items() if value is not None}
     result = _solve(scene, {**given, "analysis": analysis}, allow_system, log)
     folder = output or (Path(f"{source.stem}-result") if plot else None)
-    written = [] if folder is None else result.save(folder, plots=plot)
+    written = [] if folder is None else result.save(folder, plots=plot, report=report)
     written += _write_json(result, json)
     if json != "-":
         from kshell.cli.terminal import print_result
@@ -473,6 +504,19 @@ def diff(
         raise typer.Exit(1)
 
 
+@app.command("report")
+def report_(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="A folder with a result.")],
+    debug: Debug = False,
+) -> None:
+    """Write DIR/report.html, one file that needs no other: what was asked, and what was found."""
+    from kshell.result.result import Result
+
+    result = Result.load(folder)
+    for path in result.report((folder if folder.is_dir() else folder.parent) / "report.html"):
+        print(f"written: {path}")
+
+
 @app.command()
 def verify(
     quick: Annotated[bool, typer.Option("--quick", help="Each case once with each element.")] = False,
@@ -520,13 +564,13 @@ def _stepped(
         return follow(scene, folder=folder, resume=resume, progress=progress, allow_system=allow_system)
 
 
-def _save_last(state: Any, folder: Path | None, plot: bool, json: str | None) -> None:
+def _save_last(state: Any, folder: Path | None, plot: bool, report: bool, json: str | None) -> None:
     """The last good state of a path that was not completed, and where it is."""
     from kshell.result.result import Result
 
     if not isinstance(state, Result):
         return
-    written = [] if folder is None else state.save(folder, plots=plot)
+    written = [] if folder is None else state.save(folder, plots=plot, report=report)
     for path in written + _write_json(state, json):
         print(f"written, up to the last good step: {path}", file=sys.stderr)
 

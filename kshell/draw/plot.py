@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
@@ -64,15 +64,17 @@ def plot(result: Result, what: str = "deflection") -> Figure:
     return surface_figure(result, values, label)
 
 
-def save_picture(result: Result, what: str, path: Path) -> None:
-    """Write a picture as PNG."""
+def save_picture(
+    result: Result, what: str, path: Path | BinaryIO, dpi: int = DPI, small: bool = False
+) -> None:
+    """Write a picture as PNG, to be small or written fast."""
     figure = plot(result, what)
-    figure.set_dpi(DPI)
+    figure.set_dpi(dpi)
     engine = figure.get_layout_engine()
     if engine is not None:  # laid out here, or savefig would draw everything twice
         engine.execute(figure)
         figure.set_layout_engine("none")
-    figure.savefig(path, dpi=DPI, format="png", pil_kwargs={"compress_level": 1})
+    figure.savefig(path, dpi=dpi, format="png", pil_kwargs={"compress_level": 6 if small else 1})
 
 
 def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], object]]:

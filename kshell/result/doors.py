@@ -1,7 +1,7 @@
-"""The doors from a result up to what draws it: `Result.plot`, `Result.show` and the pictures of `Result.save`.
+"""The doors from a result up to what draws it and reports it: `Result.plot`, `show`, `report` and `save`.
 
-What draws knows results, not the reverse. Users ask a result for its picture, though, so these three imports climb,
-the only ones in kshell that do; each is made when its door is opened.
+What draws knows results, not the reverse. Users ask a result for its picture, though, so these imports climb, the only
+ones in kshell that do; each is made when its door is opened.
 """
 
 from __future__ import annotations
@@ -35,3 +35,12 @@ def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], obj
     from kshell.draw.plot import picture_files
 
     return picture_files(result, plots)
+
+
+def report_writer(result: Result) -> Callable[[Path], object]:
+    """What writes the report of a result to a path."""
+    from functools import partial
+
+    from kshell.report.page import write_report
+
+    return partial(write_report, result)

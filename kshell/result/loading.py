@@ -22,6 +22,7 @@ from kshell.result.vtu import EDGES_OF, GROUP
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
+    from kshell.scene.scene import Scene
 
 Floats = NDArray[np.float64]
 
@@ -40,6 +41,8 @@ AT_POINTS = {
 }
 # entries of result.json that are arrays in a result, at the probes and of the reactions
 WORDS = ("frame",)
+# keys of a scene by which its mesh is made
+OF_MESH = ("mesh_size", "mesh_order", "geometry", "imperfection", "top_towards")
 
 
 def load_result(path: str | os.PathLike[str]) -> Result:
@@ -55,7 +58,24 @@ def load_result(path: str | os.PathLike[str]) -> Result:
         if "combination" in own:
             result.combinations[name] = own["combination"]
     result.case = document.get("case")
+    result.scene = _scene(document.get("input"), result.mesh)
+    for name, case in result.cases.items():
+        case.scene = None if result.scene is None else result.scene.of_case(name)
     return result
+
+
+def _scene(data: Any, mesh: Mesh) -> Scene | None:
+    """The scene of a result on its mesh; None where it is not known, or has functions, which no file holds."""
+    from kshell.scene.scene import Scene
+
+    if not isinstance(data, Mapping):
+        return None
+    # what made the mesh is done, and its files may be gone
+    rest = {key: value for key, value in data.items() if key not in OF_MESH}
+    try:
+        return Scene.from_dict({**rest, "mesh": mesh}, source="result.json")
+    except InputError:
+        return None
 
 
 def read_document(folder: Path) -> dict[str, Any]:

@@ -16,17 +16,20 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError, SolveError
+from kshell.mesh.words import clipped
 from kshell.result import doors
 from kshell.result.cases import Envelope
 from kshell.result.extremes import find_extremes
 from kshell.result.rows import Rows
-from kshell.result.saving import save
+from kshell.result.saving import save, write_together
+from kshell.scene.writing import scene_words
 from kshell.values.naming import listing, suggestion
 from kshell.version import __version__
 
@@ -111,6 +114,8 @@ class Result:
         What was solved, for pictures.
     last_mesh : Mesh, optional
         Of a tolerance: what the mesh was refined to, as a scene takes it.
+    input : dict
+        Of a result read from its files: the scene, in numbers and text.
     case : str, optional
         Of several load cases: which of them the rest belongs to, the first.
     cases : dict of str to Result
@@ -148,6 +153,7 @@ class Result:
     warnings: list[str] = field(default_factory=list)
     scene: Scene | None = None
     last_mesh: Mesh | None = None
+    input: dict[str, Any] = field(default_factory=dict)
     case: str | None = None
     cases: dict[str, Result] = field(default_factory=dict)
     combinations: dict[str, dict[str, float]] = field(default_factory=dict)
@@ -247,6 +253,7 @@ class Result:
             **({"sheets": self.sheets} if self.sheets else {}),
             **({"nodal_values": self.nodal_values} if self.nodal_values else {}),
             "extremes": self.extremes,
+            **({"input": self._input} if self._input else {}),
             "strain_energy": self.strain_energy,
             **({"energies": self.energies} if self.energies else {}),
             "external_work": self.external_work,
@@ -267,13 +274,21 @@ class Result:
             document["envelope"] = self.envelope.to_dict()
         return {key: _plain(value, key) for key, value in document.items()}
 
+    @property
+    def _input(self) -> dict[str, Any]:
+        return self.input or ({} if self.scene is None else scene_words(self.scene))
+
     def _of_case(self, name: str) -> dict[str, Any]:
         """What result.json says of one load case: all but what all cases have in common."""
-        own = {k: v for k, v in self.cases[name].to_dict().items() if k not in ("kshell", "title", "mesh")}
+        own = {
+            k: v
+            for k, v in self.cases[name].to_dict().items()
+            if k not in ("kshell", "title", "mesh", "input")
+        }
         added = self.combinations.get(name)
         return own if added is None else {"combination": added, **own}
 
-    def save(self, folder: str | os.PathLike[str], plots: bool = False) -> list[str]:
+    def save(self, folder: str | os.PathLike[str], plots: bool = False, report: bool = False) -> list[str]:
         """Write result.json and result.vtu, and pictures if asked, all of them or none.
 
         Parameters
@@ -282,6 +297,8 @@ class Result:
             Made if it does not exist. Earlier results in it are replaced only when all new files are written.
         plots : bool
             Also write deflection.png, moments and stresses, and the mesh with supports and loads.
+        report : bool
+            Also write report.html, see `report`.
 
         Returns
         -------
@@ -294,7 +311,35 @@ class Result:
         SolveError
             If a value is NaN or infinite.
         """
-        return save(self, folder, doors.picture_files(self, plots))
+        files = doors.picture_files(self, plots)
+        if report:
+            files["report.html"] = doors.report_writer(self)
+        return save(self, folder, files)
+
+    def report(self, file: str | os.PathLike[str]) -> list[str]:
+        """Write a report: one HTML file that needs no other and no network.
+
+        It has what was asked (scene, mesh, supports, loads, model), what was found (values, pictures, reactions,
+        warnings, error budget), and with what.
+
+        Parameters
+        ----------
+        file : path
+            .html
+
+        Returns
+        -------
+        The paths written.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written, or is not named .html.
+        """
+        path = Path(file)
+        if path.suffix.lower() not in (".html", ".htm"):
+            raise InputError(f"{clipped(path)}: a report is an HTML file: give it a name that ends in .html")
+        return write_together(path.parent, {path.name: doors.report_writer(self)})
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Result:

@@ -18,6 +18,7 @@ from kshell.material.by_group import ELSE
 from kshell.material.materials import Isotropic
 from kshell.mesh.mesh import Mesh
 from kshell.scene.supports import Elastic, Fixed
+from kshell.values.varying import show
 
 if TYPE_CHECKING:
     from kshell.scene.scene import Scene
@@ -55,6 +56,27 @@ def scene_data(scene: Scene) -> dict[str, Any]:
         else:
             data[key] = _plain(value)
     return data
+
+
+def scene_words(scene: Scene) -> dict[str, Any]:
+    """The keys of a scene file as numbers and text, for result.json.
+
+    The mesh is the name of its file; functions are named, as text that no scene file takes.
+    """
+    data = scene_data(scene)
+    data["mesh"] = str(data["mesh"]) if isinstance(data["mesh"], Path) else "a mesh in memory"
+    words: dict[str, Any] = _as_words(data)
+    return words
+
+
+def _as_words(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _as_words(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_as_words(part) for part in value]
+    if value is None or isinstance(value, str | int | float):
+        return value
+    return show(value) if callable(value) else str(value)
 
 
 def _given(item: Any) -> dict[str, Any]:
