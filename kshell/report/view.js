@@ -246,6 +246,7 @@
     draw();
   });
   options(part("frame"), data.states.map(one => one.name));
+  if (data.what === "step") part("frame").value = data.states.length - 1;
   part("frame-label").firstChild.textContent = `${data.what} `;
   part("frame-label").hidden = data.states.length < 2;
   options(part("field"), choices().map(choice => choice.label));

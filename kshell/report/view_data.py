@@ -106,15 +106,20 @@ def _parts(result: Result) -> Iterator[tuple[str, Result, str]]:
         yield "result", result, "displacement"
 
 
+def _largest(result: Result, field: str) -> float:
+    return float(np.linalg.norm(result.fields[field], axis=1).max()) if field in result.fields else 0.0
+
+
 def _states(result: Result, count: int) -> tuple[list[dict[str, Any]], list[str]]:
     parts, room = list(_parts(result)), MOST_BYTES
     states: list[dict[str, Any]] = []
     left_out: list[str] = []
-    for name, part, moved in parts:
-        most = float(np.linalg.norm(part.fields[moved], axis=1).max()) if moved in part.fields else 0.0
-        states.append(
-            {"name": name, "scale": SHOWN * result.mesh.size / most if most > 0 else 0.0, "fields": []}
-        )
+    most = [_largest(part, moved) for _, part, moved in parts]
+    if result.analysis not in MODAL:  # cases and steps are compared, shapes of modes have no size
+        most = [max(most)] * len(most)
+    for (name, _, _), size in zip(parts, most, strict=True):
+        scale = SHOWN * result.mesh.size / size if size > 0 else 0.0
+        states.append({"name": name, "scale": scale, "fields": []})
     for field, (label, names) in FIELDS.items():
         found = [moved if field == "displacement" else field for _, _, moved in parts]
         modal = result.analysis in MODAL and field != "displacement"

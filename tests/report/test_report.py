@@ -16,6 +16,7 @@ from kshell.report import page as page_module
 from kshell.report.images import Image
 from kshell.report.page import content
 from kshell.report.table import components, number
+from kshell.report.view_data import view_data
 
 MESHES = Path(__file__).parents[2] / "meshes"
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -133,6 +134,14 @@ def test_functions_stand_by_their_names(tmp_path):
     assert again.scene is None
     again.report(tmp_path / "report.html")
     assert "not known" in (tmp_path / "report.html").read_text("utf-8")
+
+
+def test_cases_are_drawn_at_one_scale_and_modes_each_at_its_own(cases):
+    assert len({state["scale"] for state in view_data(cases)["states"]}) == 1
+    modes = ks.solve(ks.Scene.load(MESHES / "plate_modes.toml"))
+    largest = [np.abs(modes.fields[f"mode_{n}"]).max() for n in range(1, len(modes.eigen) + 1)]
+    scales = [state["scale"] for state in view_data(modes)["states"]]
+    assert np.multiply(scales, largest) == pytest.approx(0.1 * modes.mesh.size, rel=1e-12)
 
 
 # put before all other programs of the page, and after them
