@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from kshell.analysis.asked import answer_asked
 from kshell.analysis.clock import Clock, Stage
 from kshell.analysis.models import build_model
 from kshell.analysis.strength import add_strength
@@ -93,5 +94,6 @@ def described(
     mark_peaks(result, model.structure)
     if result.probes or "von_mises_top" in result.fields:
         add_strength(result, model.structure)
+    answer_asked(result, run.scene)
     result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": run.clock.peak_memory_mb}
     return result

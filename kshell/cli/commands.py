@@ -176,6 +176,7 @@ def solve(
     limit: Annotated[
         str | None, typer.Option(metavar="'60 s'|'4 GB'", help="Where refining ends at the latest.")
     ] = None,
+    tables: Annotated[bool, typer.Option("--tables", help="Write all tables as CSV too; needs -o.")] = False,
     allow_system: AllowSystem = False,
     log: Log = None,
     debug: Debug = False,
@@ -196,6 +197,8 @@ def solve(
         "crease": crease,
         "geometry": geometry,
     }
+    if tables and output is None and not plot:
+        raise InputError("--tables needs -o DIR, the folder to write into")
     begin = time.perf_counter()
     _needs_folder(report, output)
     scene = scene_of(source, plate, set_ or [])
@@ -211,7 +214,7 @@ def solve(
         raise
     written: list[str] = []
     if folder is not None:
-        written += result.save(folder, plots=plot, report=report)
+        written += result.save(folder, plots=plot, report=report, tables=tables)
     written += _write_json(result, json)
     if json != "-":
         from kshell.cli.terminal import print_result

@@ -19,3 +19,9 @@ def principal(tensor: Floats) -> Floats:
     xx, yy, xy = np.moveaxis(tensor, -1, 0)
     mean, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
     return np.stack([mean + radius, mean - radius], axis=-1)
+
+
+def principal_angle(tensor: Floats) -> Floats:
+    """Angle (...) from axis 1 to the direction of the larger principal value, in (-pi/2, pi/2]."""
+    xx, yy, xy = np.moveaxis(tensor, -1, 0)
+    return np.asarray(0.5 * np.arctan2(2.0 * xy, xx - yy))

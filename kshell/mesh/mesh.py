@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,6 +63,22 @@ class Mesh(Triangulation):
             If an index is out of range, an array has the wrong shape, or the mesh is unusable.
         """
         return mesh_from_arrays(cls, points, triangles, groups, midpoints)
+
+    def __repr__(self) -> str:
+        order = 1 if self.midpoints is None else 2
+        return (
+            f"<Mesh {self.source}: {len(self.points)} vertices, {len(self.triangles)} triangles of order {order}, "
+            f"{len(self.groups)} groups>"
+        )
+
+    def _repr_html_(self) -> str:
+        """Sizes and groups, for notebooks."""
+        rows = "".join(
+            f"<tr><td>{escape(name)}</td><td>{KIND_OF_DIMENSION[group.dimension]}</td>"
+            f"<td>{len(group.members)}</td></tr>"
+            for name, group in self.groups.items()
+        )
+        return f"<p>{escape(repr(self))}</p><table><tbody>{rows}</tbody></table>"
 
     def to_skfem(self) -> skfem.MeshTri:
         """The same triangles as a scikit-fem mesh of the plane.

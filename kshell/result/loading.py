@@ -109,6 +109,7 @@ def _result(file: Path, document: Mapping[str, Any]) -> Result:
     probes = document.get("probes", {})
     frame = next((values["frame"] for values in probes.values() if "frame" in values), None)
     given["probes"] = {name: _arrays(values) for name, values in probes.items()}
+    given["lines"] = {name: _arrays(values) for name, values in document.get("lines", {}).items()}
     given["reactions"] = {name: _arrays(values) for name, values in document.get("reactions", {}).items()}
     if frame is not None:
         given["frame"] = frame

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.material.tensors import principal, von_mises
+from kshell.material.tensors import principal, principal_angle, von_mises
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.scene.places import Point, ProbePoint
@@ -96,8 +96,20 @@ def _completed(values: Mapping[str, Any]) -> dict[str, Any]:
     probe.setdefault("N", np.zeros(3))
     for face in ("top", "middle", "bottom"):
         if f"stress_{face}" in probe:
-            probe[f"von_mises_{face}"] = float(von_mises(probe[f"stress_{face}"]))
+            stress = probe[f"stress_{face}"]
+            probe[f"von_mises_{face}"] = float(von_mises(stress))
+            probe[f"principal_{face}"] = principal(stress)
+            probe[f"principal_directions_{face}"] = _directions(probe, stress)
     probe["principal_moments"] = principal(probe["M"])
     if "N" in values:
         probe["principal_forces"] = principal(probe["N"])
     return probe
+
+
+def _directions(probe: Mapping[str, Any], stress: Floats) -> Floats:
+    """(2, 3) unit vectors of the principal stresses, the larger first."""
+    first = probe.get("axis_1", np.array([1.0, 0.0, 0.0]))
+    second = np.cross(probe.get("normal", np.array([0.0, 0.0, 1.0])), first)
+    angle = principal_angle(stress)
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack([c * first + s * second, c * second - s * first])

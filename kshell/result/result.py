@@ -16,6 +16,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass, field
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,10 +27,14 @@ from kshell.errors import InputError, SolveError
 from kshell.mesh.words import clipped
 from kshell.result import doors
 from kshell.result.cases import Envelope
+from kshell.result.cut import cut
 from kshell.result.extremes import find_extremes
 from kshell.result.rows import Rows
 from kshell.result.saving import save, write_together
+from kshell.result.tables import table_files, tables
+from kshell.scene.line import Line
 from kshell.scene.writing import scene_words
+from kshell.values.html import html_list, html_table
 from kshell.values.naming import listing, suggestion
 from kshell.version import __version__
 
@@ -49,7 +54,7 @@ def no_error_estimate() -> dict[str, Any]:
     return {"estimate": None, "kind": "none", "budget": dict.fromkeys(BUDGET)}
 
 
-@dataclass(kw_only=True)
+@dataclass(kw_only=True, repr=False)
 class Result:
     """The answer of one analysis, in the units of the input.
 
@@ -122,6 +127,8 @@ class Result:
         Of all load cases and combinations.
     combinations : dict of str to dict
         Factors of the cases in those that are combinations.
+    lines : dict of str to dict
+        Values along the lines of the scene, as of `along`.
     """
 
     mesh: Mesh
@@ -157,6 +164,7 @@ class Result:
     case: str | None = None
     cases: dict[str, Result] = field(default_factory=dict)
     combinations: dict[str, dict[str, float]] = field(default_factory=dict)
+    lines: dict[str, dict[str, Floats]] = field(default_factory=dict)
     rows: Rows = None  # type: ignore[assignment]  # made from the mesh where it is not given
     nodal_values: str = ""
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
@@ -231,6 +239,76 @@ class Result:
             raise InputError("this result has no load cases, which an envelope is of: give the scene cases")
         return Envelope(self.cases)
 
+    def along(self, a: ArrayLike, b: ArrayLike, n: int = 101) -> dict[str, Floats]:
+        """Values at n points at equal distances from a to b, as of `at`, and s: how far each is from a.
+
+        Raises
+        ------
+        InputError
+            If the ends are not two points, or n is not a whole number of at least 2.
+        SolveError
+            If this result only has values at vertices.
+        """
+        points = Line("along", a, b, n).points()
+        values = self.at(points)
+        values["distance"] = np.linalg.norm(values["x"] - points, axis=1)
+        return {"s": np.linalg.norm(points - points[0], axis=1), **values}
+
+    def cut(self, point: ArrayLike, normal: ArrayLike) -> dict[str, Any]:
+        """Section forces where a plane cuts the surface: what the part on the side of the normal exerts on the other.
+
+        Parameters
+        ----------
+        point : (x, y, z)
+            Any point of the plane.
+        normal : (x, y, z)
+
+        Returns
+        -------
+        dict
+            force and moment (3,), the moment about the centre `at` of the cut; of the force N along the normal and V
+            (3,) across it, of the moment the torque T about the normal and M (3,) across it; length of the cut.
+
+        Notes
+        -----
+        They are integrals of membrane forces, shear forces and moments, and as accurate as these: the moment converges
+        faster with the mesh than the shear force, which is a derivative of moments.
+
+        Raises
+        ------
+        InputError
+            If the plane does not cut the surface.
+        SolveError
+            If this result only has values at vertices.
+        """
+        return cut(self, point, normal)
+
+    def tables(self) -> dict[str, list[dict[str, Any]]]:
+        """Rows of all tables that there are: probes, extremes, reactions, eigen, path, lines and the envelope."""
+        return tables(self)
+
+    def __repr__(self) -> str:
+        what = f"{self.model.get('kind', '?')}, {self.model.get('element', '?')}, {self.unknowns} unknowns"
+        cases = f", {len(self.cases)} cases" if self.cases else ""
+        return f'<Result "{self.title}": {self.analysis}, {what}{cases}, {len(self.warnings)} warnings>'
+
+    def _repr_html_(self) -> str:
+        """Picture, probes and warnings, for notebooks."""
+        import base64
+        import io
+
+        stream = io.BytesIO()
+        self.plot().savefig(stream, format="png", dpi=72)
+        picture = base64.b64encode(stream.getvalue()).decode("ascii")
+        rows = [
+            [name, *(f"{part:.6g}" for part in values["u"])]
+            for name, values in self.probes.items()
+            if "u" in values
+        ]
+        probes = html_table(["probe", "u_x", "u_y", "u_z"], rows) if rows else ""
+        image = f'<img alt="deflection" src="data:image/png;base64,{picture}">'
+        return f"<p>{escape(repr(self))}</p>{image}{probes}{html_list(self.warnings, 'Warnings')}"
+
     def to_dict(self) -> dict[str, Any]:
         """The content of result.json: numbers, text, lists and dicts only.
 
@@ -269,6 +347,8 @@ class Result:
             "solver": self.solver,
             "warnings": self.warnings,
         }
+        if self.lines:
+            document["lines"] = self.lines
         if self.cases:
             document |= {"case": self.case, "cases": {n: self._of_case(n) for n in self.cases}}
             document["envelope"] = self.envelope.to_dict()
@@ -288,7 +368,13 @@ class Result:
         added = self.combinations.get(name)
         return own if added is None else {"combination": added, **own}
 
-    def save(self, folder: str | os.PathLike[str], plots: bool = False, report: bool = False) -> list[str]:
+    def save(
+        self,
+        folder: str | os.PathLike[str],
+        plots: bool = False,
+        report: bool = False,
+        tables: bool = False,
+    ) -> list[str]:
         """Write result.json and result.vtu, and pictures if asked, all of them or none.
 
         Parameters
@@ -299,6 +385,8 @@ class Result:
             Also write deflection.png, moments and stresses, and the mesh with supports and loads.
         report : bool
             Also write report.html, see `report`.
+        tables : bool
+            Also write probes.csv, reactions.csv and the other tables.
 
         Returns
         -------
@@ -314,6 +402,8 @@ class Result:
         files = doors.picture_files(self, plots)
         if report:
             files["report.html"] = doors.report_writer(self)
+        if tables:
+            files |= table_files(self)
         return save(self, folder, files)
 
     def report(self, file: str | os.PathLike[str]) -> list[str]:

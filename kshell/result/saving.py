@@ -59,7 +59,12 @@ def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, 
 
 def case_stem(name: str) -> str:
     """How names of files of a load case begin."""
-    return "case-" + re.sub(r"[^\w.+-]+", "-", name)
+    return "case-" + safe(name)
+
+
+def safe(name: str) -> str:
+    """A name as part of the name of a file."""
+    return re.sub(r"[^\w.+-]+", "-", name)
 
 
 def _series(result: Result, collection: str, stem: str = "") -> dict[str, Writer]:

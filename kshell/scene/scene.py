@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import field, fields
+from html import escape
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -40,6 +41,7 @@ from kshell.scene.sections import (
 )
 from kshell.scene.supports import Support
 from kshell.scene.toml import apply_override, inside, read_toml, scene_arguments
+from kshell.values.html import html_table
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import Number, described
 
@@ -235,6 +237,25 @@ class Scene:
             raise InputError(
                 "scene: geometry and chart given: each says how the shell is curved, leave one out"
             )
+
+    def __repr__(self) -> str:
+        parts = ["supports", "loads", "probes", "cases"]
+        counts = ", ".join(f"{len(getattr(self, part))} {part}" for part in parts if getattr(self, part))
+        return f'<Scene "{self.title}": mesh {self.mesh_name}{", " if counts else ""}{counts}>'
+
+    def _repr_html_(self) -> str:
+        """What is in it, for notebooks."""
+        rows = [("mesh", self.mesh_name), ("thickness", self.thickness), ("material", self.material)]
+        rows += [("layer", layer) for layer in self.layers or ()]
+        for key, items in (("support", self.supports), ("load", self.loads), ("case", self.cases)):
+            rows += [(key, item.name if key == "case" else str(item)) for item in items]
+        rows += [("probe", f"{name} at {at}") for name, at in self.probes.items()]
+        return f"<p><b>{escape(self.title or 'Scene')}</b></p>{html_table(['', ''], rows)}"
+
+    @property
+    def mesh_name(self) -> str:
+        """Its file, or what it is."""
+        return str(self.mesh) if isinstance(self.mesh, Path) else f"<{type(self.mesh).__name__}>"
 
     @property
     def density_missing(self) -> bool:

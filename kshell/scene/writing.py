@@ -50,7 +50,16 @@ def scene_data(scene: Scene) -> dict[str, Any]:
             if value:
                 data[BLOCKS[key]] = [_block(item) for item in value]
         elif key == "probes":
-            data["probe"] = [{"name": name, "at": list(point)} for name, point in value.items()]
+            data["probe"] = [_probe(name, point) for name, point in value.items()]
+        elif key == "cuts":
+            data["cut"] = [{"on": list(value)}] if value else []
+        elif key == "initial_velocity":
+            begin = _block(value)
+            data["initial"] = {"velocity": begin.pop("value"), **begin}
+        elif key == "obstacles":
+            data["contact"] = {**data.get("contact", {}), "with": [_obstacle(body) for body in value]}
+        elif key == "contact":
+            data[key] = {**_plain(value), **data.get(key, {})}
         elif key == "chart":
             data[key] = _chart(value)
         else:
@@ -118,6 +127,18 @@ def _block(item: Any) -> dict[str, Any]:
     return data
 
 
+def _probe(name: str, point: Any) -> dict[str, Any]:
+    on = getattr(point, "on", None)
+    return {"name": name, "at": list(point), **({} if on is None else {"on": on})}
+
+
+def _obstacle(body: Any) -> dict[str, Any]:
+    """An obstacle as in [contact]: its kind and keys, or its file, beside name and motion."""
+    data = {key: _plain(part) for key, part in _given(body).items()}
+    shape = data.pop("shape")
+    return {**(shape if isinstance(shape, dict) else {"file": shape}), **data}
+
+
 def _chart(chart: Any) -> Any:
     from kshell.geometry.charts import READY
 
@@ -158,6 +179,8 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> list[str]:
             written.append(str(file))
         for key in ("geometry", "imperfection.file"):
             _relocate(data, key.split("."), target.parent)
+        for body in data.get("contact", {}).get("with", []):
+            _relocate(body, ["file"], target.parent)
         _require_text(data, "")
         target.write_text(tomli_w.dumps(data), encoding="utf-8")
     except OSError as error:

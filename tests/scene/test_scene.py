@@ -19,7 +19,7 @@ def test_the_example_of_the_interface():
     assert [s.on for s in scene.supports] == ["left", "right"]
     assert scene.loads[0].value == 1000.0
     assert scene.solve.element == "auto"
-    assert "Clamped(on='left'" in repr(scene)
+    assert "Clamped(on='left'" in repr(scene.supports)
 
 
 def test_scenes_are_equal_when_they_say_the_same():
