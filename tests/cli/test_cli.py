@@ -190,7 +190,7 @@ def test_check_says_what_moves_freely(folder, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["modus", "scene.toml"], ["modus", "solve, trace"]),
+        (["modus", "scene.toml"], ["modus", "solve, modes"]),
         (["buckling"], ["SCENE"]),
         (["solve"], ["Missing argument"]),
         (["solve", "scene.toml", "--tolerance", "1"], ["--tolerance"]),
