@@ -39,3 +39,12 @@ class Interrupted(KeyboardInterrupt):
 
 class KshellWarning(UserWarning):
     """The answer stands, but something about it deserves attention."""
+
+
+LONGEST = 200  # characters of a value in a message
+
+
+def clipped(text: object) -> str:
+    """A text in a message, cut where it is long."""
+    text = str(text)
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"

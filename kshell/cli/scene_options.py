@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kshell.errors import InputError
-from kshell.mesh.words import clipped
+from kshell.errors import InputError, clipped
 
 if TYPE_CHECKING:
     from kshell.scene.scene import Scene

@@ -25,11 +25,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from kshell.errors import InputError
+from kshell.errors import InputError, clipped
 from kshell.geometry.chart import ReadyChart
 from kshell.geometry.components import Component, Floats, total
 from kshell.geometry.smooth import Index, Partials, SmoothMap, indices
-from kshell.mesh.words import clipped
 
 # the derivatives of order 0, 1, 2, ... of a function of one parameter
 Tower = list[Component]

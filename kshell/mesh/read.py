@@ -7,14 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from kshell.errors import InputError
+from kshell.errors import InputError, clipped
 from kshell.mesh.build import build, reversed_triangles
 from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.order import in_spatial_order
 from kshell.mesh.orient import to_reverse
 from kshell.mesh.raw import RawMesh
-from kshell.mesh.words import clipped, count, is_file, is_folder, nearest_name
+from kshell.mesh.words import count, is_file, is_folder, nearest_name
 
 GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs")
 

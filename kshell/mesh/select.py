@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.errors import InputError
+from kshell.errors import InputError, clipped
 from kshell.mesh.mesh import KIND_OF_DIMENSION, Group, Mesh
-from kshell.mesh.words import clipped, count, nearest_name, place, quoted, shown
+from kshell.mesh.words import count, nearest_name, place, quoted, shown
 
 # farther than this fraction of the mesh size a point is not on the vertex it is moved to
 MOVED = 1e-6

@@ -9,13 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-LONGEST = 200  # characters of a value in a message
-
-
-def clipped(text: object) -> str:
-    """A text in a message, cut where it is long."""
-    text = str(text)
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}... ({len(text)} characters)"
+from kshell.errors import clipped
 
 
 def shown(value: Any) -> str:

@@ -21,7 +21,6 @@ from kshell.result.saving import case_stem
 from kshell.result.vtu import EDGES_OF, GROUP
 
 if TYPE_CHECKING:
-    from kshell.result.result import Result
     from kshell.scene.scene import Scene
 
 Floats = NDArray[np.float64]
@@ -45,16 +44,16 @@ WORDS = ("frame",)
 OF_MESH = ("mesh_size", "mesh_order", "geometry", "imperfection", "top_towards")
 
 
-def load_result(path: str | os.PathLike[str]) -> Result:
-    """The result in a folder. See `Result.load`."""
+def load_result(path: str | os.PathLike[str], cls: type[Any]) -> Any:
+    """The result in a folder, made of the class of results. See `Result.load`."""
     folder = Path(path)
     document = read_document(folder)
     names = list(document.get("cases", {}))
-    result = _result(folder / "result.vtu", document)
+    result = _result(folder / "result.vtu", document, cls)
     for name in names:
         own = {**{key: document[key] for key in ("title",)}, **document["cases"][name]}
         own["mesh"] = document["mesh"]
-        result.cases[name] = _result(folder / f"{case_stem(name)}.vtu", own)
+        result.cases[name] = _result(folder / f"{case_stem(name)}.vtu", own, cls)
         if "combination" in own:
             result.combinations[name] = own["combination"]
     result.case = document.get("case")
@@ -100,11 +99,9 @@ def read_document(folder: Path) -> dict[str, Any]:
     return document
 
 
-def _result(file: Path, document: Mapping[str, Any]) -> Result:
-    from kshell.result.result import Result
-
+def _result(file: Path, document: Mapping[str, Any], cls: type[Any]) -> Any:
     rows, point_fields, cell_fields = _read_vtu(file)
-    known = {f.name for f in fields(Result)} - {"mesh", "cases", "case", "scene", "series", "fields", "rows"}
+    known = {f.name for f in fields(cls)} - {"mesh", "cases", "case", "scene", "series", "fields", "rows"}
     given = {key: value for key, value in document.items() if key in known}
     probes = document.get("probes", {})
     frame = next((values["frame"] for values in probes.values() if "frame" in values), None)
@@ -113,7 +110,7 @@ def _result(file: Path, document: Mapping[str, Any]) -> Result:
     given["reactions"] = {name: _arrays(values) for name, values in document.get("reactions", {}).items()}
     if frame is not None:
         given["frame"] = frame
-    result = Result(
+    result = cls(
         mesh=rows.mesh,
         rows=rows,
         fields=point_fields,
@@ -189,7 +186,7 @@ def _mesh(read: Any, cells: NDArray[np.int64], vertex: NDArray[np.int64]) -> Mes
     return Mesh.from_arrays(points, triangles, groups, midpoints)
 
 
-def _interpolated(result: Result, points: Floats) -> dict[str, Floats]:
+def _interpolated(result: Any, points: Floats) -> dict[str, Floats]:
     """Values between the vertices, linear in each triangle."""
     mesh = result.mesh
     found = Locator.of(mesh).find(points)

@@ -445,7 +445,8 @@ class Result:
         """
         from kshell.result.loading import load_result
 
-        return load_result(folder)
+        loaded: Result = load_result(folder, cls)
+        return loaded
 
     def plot(self, what: str = "deflection") -> Figure:
         """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kshell.errors import InputError
-from kshell.mesh.words import clipped
+from kshell.errors import InputError, clipped
 from kshell.mesh.write import write_msh
 from kshell.result.vtu import write_motion, write_vtu
 

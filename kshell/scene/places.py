@@ -8,8 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BeforeValidator
 
-from kshell.errors import InputError
-from kshell.mesh.words import clipped
+from kshell.errors import InputError, clipped
 from kshell.values.expression import PLACE, Expression
 from kshell.values.time import TIME
 

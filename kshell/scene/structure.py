@@ -13,12 +13,11 @@ from typing import Any, Generic, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.errors import InputError
+from kshell.errors import InputError, clipped
 from kshell.material.by_group import per_triangle
 from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
-from kshell.mesh.words import clipped
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.loads import Load, PointForce, PointMoment
 from kshell.scene.on_chart import mesh_in_space

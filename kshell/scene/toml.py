@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from kshell.errors import InputError
+from kshell.errors import InputError, clipped
 from kshell.material.given import Section
 from kshell.material.laminate import Layer
 from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
-from kshell.mesh.words import clipped, is_folder, shown
+from kshell.mesh.words import is_folder, shown
 from kshell.scene.cases import Case, Combination
 from kshell.scene.contact import Contact, obstacle_from
 from kshell.scene.imperfection import Imperfection

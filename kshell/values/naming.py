@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from kshell.mesh.words import clipped, nearest_name
+from kshell.errors import clipped
+from kshell.mesh.words import nearest_name
 
 
 def listing(names: Iterable[str], most: int = 20) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Strict, ValidationError
 from pydantic.dataclasses import dataclass as pydantic_dataclass
 
-from kshell.errors import InputError
-from kshell.mesh.words import clipped, shown
+from kshell.errors import InputError, clipped
+from kshell.mesh.words import shown
 from kshell.values.naming import listing, suggestion
 
 T = TypeVar("T", bound=type)

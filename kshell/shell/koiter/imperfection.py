@@ -8,8 +8,8 @@ from scipy.spatial import cKDTree
 
 from kshell.equilibrium.bifurcation import buckling_modes
 from kshell.equilibrium.model import Model
-from kshell.errors import InputError
-from kshell.mesh.words import clipped, is_file, place
+from kshell.errors import InputError, clipped
+from kshell.mesh.words import is_file, place
 from kshell.scene.imperfection import Imperfection
 from kshell.shell.koiter.model import KoiterModel
 from kshell.shell.limits import USE_KOITER
