@@ -53,8 +53,8 @@ class Load:
     scaling: ClassVar[tuple[str, ...]] = ("value",)
     on: Place | None
     value: Any
-    fixed: bool
-    name: str
+    fixed: bool = False
+    name: str = ""
 
     def at(self, points: ArrayLike) -> NDArray[np.float64]:
         """The value at points (..., 3): (...) for a scalar, (..., components) for a vector."""

@@ -93,7 +93,7 @@ def test_constant_fields_and_missing_ones():
     mesh = square_mesh(2)
     result = fabricated_result(mesh, fields={"displacement": np.zeros((9, 3))})
     result.plot("deflection").canvas.draw()
-    with pytest.raises(ks.InputError, match="no field"):
+    with pytest.raises(ks.InputError, match="no picture"):
         result.plot("moment_xx")
     with pytest.raises(ks.InputError, match='did you mean "deflection"'):
         result.plot("deflexion")

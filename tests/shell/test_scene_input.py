@@ -175,9 +175,15 @@ def test_what_plates_do_not_have_is_refused_not_ignored(changes):
 
 
 ONLY_KOITER = {
-    "hinge": ({"supports": [ks.Clamped("end"), ks.Hinge("inside")]}, "smooth.*no hinges"),
+    "hinge": (
+        {"supports": [ks.Clamped("end"), ks.Hinge("inside")], "loads": [ks.Pressure(1.0)]},
+        "smooth.*no hinges",
+    ),
     "varying over a surface": (
-        {"supports": [ks.Clamped("end"), ks.Fixed("tube", "z", value=(0, 0, "1e-3*z"))]},
+        {
+            "supports": [ks.Clamped("end"), ks.Fixed("tube", "z", value=(0, 0, "1e-3*z"))],
+            "loads": [ks.Pressure(1.0)],
+        },
         "varies over a surface",
     ),
     "rotation of a surface": (
