@@ -143,7 +143,8 @@ def test_rest_under_a_load_that_grows_slowly():
     force = ks.PointForce((LENGTH, 0, 0), (0, 0, 1.0))
     grown = ks.PointForce((LENGTH, 0, 0), (0, 0, f"min(t/{2 * PERIOD}, 1)"))
     common = {"initial_velocity": None, "damping": {"drag": 1.5 * OMEGA}}
-    static = ks.solve(cantilever(loads=[force], initial_velocity=None), large_deflection=True, order=2)
+    plain = cantilever(loads=[force], initial_velocity=None, solve={"order": 2, "large_deflection": True})
+    static = ks.solve(plain)
     ramped = ks.simulate(
         cantilever(loads=[force], **common), ramp=2 * PERIOD, time=12 * PERIOD, scheme="bdf2", step=PERIOD / 5
     )
