@@ -18,7 +18,9 @@ def interval_lines(result: Result) -> Iterator[str]:
         yield f"{name}: {_displacement(result, name, found['u'])}"
     energy = error.get("energy")
     if energy:
-        yield f"strain energy: {_value(energy['lower'], energy['upper'])} ({energy['kind']})"
+        half = 0.5 * (energy["upper"] - energy["lower"])
+        lower, upper = (_number(energy[end], half) for end in ("lower", "upper"))
+        yield f"strain energy between {lower} and {upper} ({energy['kind']})"
     for number, level in enumerate(error.get("levels") or (), 1):
         if "half_width" in level and "seconds" in level:
             width = level["half_width"]
@@ -40,11 +42,6 @@ def _displacement(result: Result, name: str, found: dict[str, Any]) -> str:
     values = ", ".join(_number(value, width) for value, width in zip(u, half, strict=True))
     widths = ", ".join(f"{width:.1e}" for width in half)
     return f"u = ({values}) +- ({widths}) ({found['kind']})"
-
-
-def _value(lower: float, upper: float) -> str:
-    half = 0.5 * (upper - lower)
-    return f"{_number(lower + half, half)} +- {half:.1e}"
 
 
 def _number(value: float, half: float) -> str:
