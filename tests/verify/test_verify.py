@@ -58,7 +58,7 @@ def test_quick_run_prints_a_table_and_succeeds(few, capsys):
     assert "2 cases, 38 values" in lines[-1]
     assert "all within what is allowed; worst ratio" in lines[-1]
     assert any(line.startswith("not run: ") for line in lines)
-    assert any("natural frequencies" in line and "B.ssss.freq" in line for line in lines)
+    assert any("B.skew.note" in line for line in lines)
 
 
 def test_full_run_writes_page_table_and_charts(few, tmp_path, capsys):
@@ -79,7 +79,7 @@ def test_full_run_writes_page_table_and_charts(few, tmp_path, capsys):
     assert page.count("data:image/png;base64,") == 4
     assert page.count("<tr><td>") > len(table)
     assert "Timoshenko" in page
-    assert "B.ssss.freq" in page
+    assert "B.skew.note" in page
     assert "written: " in capsys.readouterr().out
     words = summary.table(*summary.read(folder))
     assert f"2: 2 plates, 0 {next(iter(summary.KINDS))}" in words

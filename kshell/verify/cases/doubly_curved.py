@@ -82,7 +82,7 @@ def spheres() -> Iterator[Case]:
             Shell(octant(1.0), octant_mesh, scene),
             {
                 "w": Moves(middle, middle),
-                "N": Tensor(middle, "N", "xx"),
+                "N": Tensor(middle, "membrane_stress_resultant", "xx"),
                 "compliance": Compliance(),
             },
             runs((12, 24), (6, 12), (4, 8), argyris=(2, 4)),

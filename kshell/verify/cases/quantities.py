@@ -68,13 +68,13 @@ class Moves:
 
 @dataclass(frozen=True)
 class Tensor:
-    """A membrane force N or moment M per length at a point of a shell.
+    """A membrane force N, its conjugate to the membrane strain, or a moment M per length at a point of a shell.
 
     Components xx, yy, xy: x is the projection of the global x on the surface, or of y where x is normal to it.
     """
 
     point: Place
-    kind: Literal["N", "M"]
+    kind: Literal["N", "membrane_stress_resultant", "M"]
     component: Literal["xx", "yy", "xy"]
     elements: ClassVar[tuple[str, ...]] = EVERY_ELEMENT
 

@@ -167,7 +167,7 @@ FLAT = [
 
 SHELLS = [
     # layers along the edges: flat triangles are still far from their order 2, cubics feel their shape last
-    Rate("shell.scordelis_lo", "koiter1", "w_free_edge", (16, 48), 1.5),
+    Rate("shell.scordelis_lo", "koiter1", "w_free_edge", (16, 48), 1.9),
     Rate("shell.scordelis_lo", "koiter2", "w_free_edge", (8, 32), 4, 2),
     Rate("shell.scordelis_lo", "koiter2", "compliance", (8, 32), 4, 2),
     Rate("shell.scordelis_lo", "koiter3", "w_free_edge", (6, 12), 6, 2),
@@ -177,7 +177,7 @@ SHELLS = [
     Rate("shell.quarter_circle.t0.001", "koiter2", "u_tip", (8, 32), 4, 2),
     Rate("shell.quarter_circle.t0.001", "koiter3", "u_tip", (6, 24), 4, 2),
     Rate("shell.quarter_circle.t0.001", "koiter3", "u_tip", (6, 24), 4.1, TRUE_SURFACE),
-    Rate("shell.tube.force", "koiter1", "w_end", (24, 96), 1.2),
+    Rate("shell.tube.force", "koiter1", "w_end", (24, 96), 1.9),
     Rate("shell.tube.force", "koiter2", "w_end", (12, 48), 4, 2),
     Rate("shell.tube.force", "koiter2", "slope_end", (12, 48), 3, 2),
     Rate("shell.tube.force", "koiter3", "slope_end", (12, 48), 4.6, 2),
