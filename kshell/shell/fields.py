@@ -146,9 +146,10 @@ class ShellFields:
         return out
 
     def _shown(self, beside: list[tuple[int, Floats]]) -> dict[str, Any]:
-        """Values of the sheet with the largest stress."""
+        """Values of the sheet with the largest stress, or where there are no stresses with the largest moment."""
         values = [self._at(triangle, xi) for triangle, xi in beside]
-        size = [max(float(von_mises(each[f"stress_{face}"])) for face in FACES) for each in values]
+        tensors = [f"stress_{face}" for face in FACES if f"stress_{face}" in values[0]] or ["M"]
+        size = [max(float(von_mises(each[name])) for name in tensors) for each in values]
         return values[int(np.argmax(np.array(size) > (1 - SAME) * max(size)))]
 
     def _beside(self, triangle: int, xi: Floats) -> list[tuple[int, Floats]]:

@@ -193,7 +193,7 @@ def test_check_says_what_moves_freely(folder, capsys):
         (["modus", "scene.toml"], ["modus", "solve, modes"]),
         (["buckling"], ["SCENE"]),
         (["solve"], ["Missing argument"]),
-        (["solve", "scene.toml", "--tolerance", "1"], ["--tolerance"]),
+        (["solve", "scene.toml", "--tolerance", "1"], ["tolerance", "percentage"]),
         (["solve", "scene.toml", "--set"], ["--set"]),
         (["solve", "scene.toml", "--set", "load.9.value=1"], ["load.9.value=1", "0 to 0"]),
         (["solve", "scene.toml", "--set", "solve.tolerance=1"], ["tolerance"]),

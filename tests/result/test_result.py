@@ -21,6 +21,7 @@ KEYS = [
     "mesh",
     "probes",
     "extremes",
+    "input",
     "strain_energy",
     "external_work",
     "reactions",

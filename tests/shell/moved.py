@@ -29,7 +29,7 @@ def moved(scene: ks.Scene, scale: float = 1.0, turn: Any = None) -> ks.Scene:
     changes: dict[str, Any] = {
         "thickness": _scaled(scene.thickness, scale, q),
         "offset": scale * scene.offset,
-        "probes": {name: _place(point, scale, q) for name, point in scene.probes.items()},
+        "probes": {name: _probe(point, scale, q) for name, point in scene.probes.items()},
         "supports": [_support(support, scale, q) for support in scene.supports],
         "loads": [_load(load, scale, q) for load in scene.loads],
     }
@@ -42,6 +42,12 @@ def moved(scene: ks.Scene, scale: float = 1.0, turn: Any = None) -> ks.Scene:
     if scene.direction is not None:
         changes["direction"] = tuple(q @ scene.direction)
     return dataclasses.replace(scene, **changes)
+
+
+def _probe(point, scale, q):
+    """The place, on the same surface group."""
+    place = _place(point, scale, q)
+    return {"at": place, "on": point.on} if hasattr(point, "on") else place
 
 
 def _place(point: Any, scale: float, q: Any) -> Any:

@@ -157,7 +157,7 @@ def test_two_symmetry_lines_of_a_flat_sector_and_a_clamped_arc():
     scene = ks.Scene.load(MESHES / "sector.toml")
     for order in (2, 3):
         found = ks.solve(scene, element="koiter", order=order)
-        assert found.probe("tip")["u"][2] == pytest.approx(1 / 64, rel=2e-4)
+        assert found.probe("tip")["u"][2] == pytest.approx(1e-3 / 64, rel=2e-4)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -182,7 +182,7 @@ def test_in_plane_load_is_solved_as_a_membrane(order):
 def test_flat_scenes_become_shells_only_where_something_stretches_them():
     kind = {
         "across": ks.solve(plate()),
-        "along": ks.solve(plate(loads=[ks.LineForce("right", (1.0, 0, 5.0))])),
+        "along": ks.solve(plate(loads=[ks.LineForce("right", (1.0, 0, 0))])),
         "offset": ks.solve(plate(offset=0.005)),
         "layers": ks.solve(
             plate(
