@@ -1,0 +1,150 @@
+"""`kshell check`, `converge`, `sweep`, `diff`, `report`, `verify`: about scenes, results and kshell itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kshell.cli.app import command
+from kshell.cli.options import (
+    Debugging,
+    Levels,
+    Log,
+    Reading,
+    ResultFolder,
+    SceneOnly,
+    Source,
+    Trust,
+    into,
+    require_scene,
+    watched,
+)
+from kshell.cli.scene_options import is_scene, no_overrides, parameters_of, scene_of
+from kshell.errors import InputError, SolveError
+
+
+@command()
+def converge(
+    source: SceneOnly,
+    *,
+    levels: Levels = 4,
+    output: into("Write convergence.json and convergence.png here.") = None,  # type: ignore[valid-type]
+    reading: Reading,
+) -> None:
+    """Solve a scene on meshes that are halved: observed rates, and what the values tend to by Richardson."""
+    from kshell.cli.study import save_study, study_lines, study_of
+
+    found = study_of(reading.scene(source, "converge"), levels, reading.allow_system)
+    for line in study_lines(found):
+        typer.echo(line)
+    if output is not None:
+        for path in save_study(found, output):
+            typer.echo(f"written: {path}")
+
+
+@command()
+def check(source: Source, reading: Reading) -> None:
+    """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
+    from kshell.analysis.check import check_mesh, check_scene
+    from kshell.cli.terminal import print_findings
+
+    if is_scene(source):
+        scene = reading.scene(source, "check")
+        found = check_scene(scene, scene.read_mesh(reading.allow_system))
+    else:
+        from kshell.mesh import read_mesh
+
+        no_overrides(source, reading.set_ or [])
+        found = check_mesh(read_mesh(source, allow_system=reading.allow_system))
+    print_findings(found)
+    for words in found.problems:
+        typer.echo(f"error: {words}", err=True)
+    if found.problems:
+        raise typer.Exit(2)
+
+
+@command()
+def sweep(
+    source: SceneOnly,
+    *,
+    set_: Annotated[
+        list[str],
+        typer.Option(
+            "--set",
+            metavar="KEY=A..B:N|A,B",
+            help="Values of a key of the scene file: N from A to B, or a list. Repeatable: all combinations.",
+        ),
+    ],
+    csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Write the rows here.")] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", metavar="N", help="Processes; one per core if absent.")
+    ] = None,
+    log: Log = None,
+    trust: Trust,
+) -> None:
+    """Solve a scene for all combinations of values of its parameters."""
+    from kshell.analysis.sweep import sweep as sweep_scene
+    from kshell.cli.terminal import print_sweep
+
+    require_scene(source, "sweep")
+    scene, parameters = scene_of(source, {}, []), parameters_of(set_)
+    rows = watched(
+        lambda progress: sweep_scene(
+            scene, parameters, workers=workers, progress=progress, allow_system=trust.allow_system
+        ),
+        log,
+    )
+    print_sweep(rows, [] if csv is None else [rows.save(csv)])
+    if all(row["error"] for row in rows):
+        raise SolveError("no point of the sweep has an answer: the reasons stand in its rows")
+
+
+@command()
+def diff(
+    first: ResultFolder,
+    second: Annotated[Path, typer.Argument(metavar="DIR", help="Another.")],
+    *,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Exit with 1 if a relative difference is larger.")
+    ] = None,
+    debugging: Debugging,
+) -> None:
+    """Say what differs between two results."""
+    from kshell.cli.terminal import print_differences
+    from kshell.result.compare import differences
+    from kshell.result.result import Result
+
+    if tolerance is not None and not tolerance >= 0.0:
+        raise InputError(f"--tolerance {tolerance:g}: must not be negative")
+    found = differences(Result.load(first), Result.load(second))
+    print_differences(found, str(first), str(second))
+    if tolerance is not None and found and found[0].relative > tolerance:
+        raise typer.Exit(1)
+
+
+@command()
+def report(folder: ResultFolder, debugging: Debugging) -> None:
+    """Write DIR/report.html, one file that needs no other: what was asked, and what was found."""
+    from kshell.result.result import Result
+
+    result = Result.load(folder)
+    for path in result.report((folder if folder.is_dir() else folder.parent) / "report.html"):
+        print(f"written: {path}")
+
+
+@command()
+def verify(
+    *,
+    quick: Annotated[bool, typer.Option("--quick", help="Each case once with each element.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write charts, table and an HTML page here.")
+    ] = None,
+    debugging: Debugging,
+) -> None:
+    """Run the verification cases on this machine: value, reference, error and what is allowed of each."""
+    from kshell.verify import verify as run_all
+
+    if run_all(quick, out).failed:
+        raise typer.Exit(1)

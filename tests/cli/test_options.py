@@ -1,0 +1,74 @@
+"""Options declared once, and what help and completion say of them."""
+
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from typing import Annotated
+
+import pytest
+import typer
+
+from kshell.cli.commands import run
+from kshell.cli.grouping import flat
+
+
+@dataclass(frozen=True)
+class Base:
+    debug: Annotated[bool, typer.Option("--debug")] = False
+
+
+@dataclass(frozen=True)
+class Derived(Base):
+    size: Annotated[float | None, typer.Option()] = None
+
+
+def test_fields_of_a_group_become_options_and_come_back_as_one():
+    got = []
+
+    def command(first: int, group: Derived) -> None:
+        got.append((first, group))
+
+    flattened = flat(command)
+    assert list(flattened.__annotations__)[:-1] == ["first", "size", "debug"]
+    flattened(first=3, size=0.5, debug=True)
+    assert got == [(3, Derived(debug=True, size=0.5))]
+
+
+def test_an_option_cannot_be_declared_twice():
+    def command(size: int, group: Derived) -> None:
+        pass
+
+    with pytest.raises(TypeError, match="same name"):
+        flat(command)
+
+
+def test_help_is_whole_in_80_columns(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    run(["--help"])
+    text = capsys.readouterr().out
+    commands = [line.split()[0] for line in text.split("Commands:\n")[1].splitlines() if line[2:3].strip()]
+    assert {"solve", "modes", "check", "verify"} <= set(commands)
+    for name in commands:
+        assert run([name, "--help"]) == 0
+        text += capsys.readouterr().out
+    assert "..." not in text.replace("[ARGS]...", "")
+    assert "…" not in text
+    assert max(map(len, text.splitlines())) <= 80
+
+
+@pytest.mark.full
+def test_completion_knows_commands_and_options():
+    for words, expected in (("kshell mo", "modes"), ("kshell modes --pre", "--prestress")):
+        done = subprocess.run(
+            [sys.executable, "-c", "from kshell.cli.commands import main; main()"],
+            capture_output=True,
+            text=True,
+            env={
+                **os.environ,
+                "_KSHELL_COMPLETE": "complete_bash",
+                "COMP_WORDS": words,
+                "COMP_CWORD": str(words.count(" ")),
+            },
+        )
+        assert expected in done.stdout.split()
