@@ -95,9 +95,12 @@ class Moving:
         self._starts_at_rest()
         self.frequency = first_frequency(model)
         damping = Damping() if scene.damping is None else scene.damping
-        viscosity = damping.viscosity or 0.0
-        if damping.ratio is not None:
-            viscosity = 2.0 * damping.ratio / self.frequency
+        if damping.per_mode is not None:
+            raise InputError(
+                'damping: a ratio for every mode is for analysis = "response": a motion is damped by its material; '
+                "give the ratio of the first mode, a number"
+            )
+        viscosity = damping.material(self.frequency)
         touching = scene.contact is not None
         scheme = options.scheme if options.scheme != "auto" else "bdf2" if touching else "alpha"
         if touching and scheme == "em":

@@ -24,6 +24,7 @@ from kshell.scene.structure import Structure
 from kshell.scene.supports import Hinge, RigidLink
 from kshell.shell.limits import THINNEST, what_they_smooth
 from kshell.solvers.memory import SHARE, available_bytes
+from kshell.values.naming import listing
 
 # up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
 ARGYRIS_UP_TO = 100_000
@@ -150,8 +151,7 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
                 f'{key} is for analysis = "modes" (kshell modes) or "buckling" (kshell buckling): leave it out, or '
                 "take one of them"
             )
-    if options.damping and options.analysis != "response":
-        raise InputError('damping is for analysis = "response": leave it out')
+    _require_scheme(options)
     for key, given in (
         ("time", options.time is not None),
         ("step", options.step != "auto"),
@@ -186,6 +186,18 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
         )
     if structure.chart is not None and (options.model == "plate" or options.element in ("morley", "hhj")):
         raise InputError("the scene has a chart, so it is a shell: leave model and element out, or the chart")
+
+
+SCHEMES = {"response": ("modes", "direct"), "dynamic": ("alpha", "em", "bdf2", "euler")}
+
+
+def _require_scheme(options: SolveOptions) -> None:
+    fitting = SCHEMES.get(options.analysis, ())
+    if options.scheme == "auto" or options.scheme in fitting:
+        return
+    owner = next(analysis for analysis, schemes in SCHEMES.items() if options.scheme in schemes)
+    instead = f", or take one of {listing(fitting)}" if fitting else ""
+    raise InputError(f'scheme = "{options.scheme}" is for analysis = "{owner}": leave it out{instead}')
 
 
 def _require_motion(options: SolveOptions) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator
 
 from kshell.errors import InputError
 from kshell.scene.places import On, VectorValue
@@ -32,21 +35,38 @@ def initial_velocity(value: Any) -> InitialVelocity | None:
     return InitialVelocity(**value) if isinstance(value, Mapping) else InitialVelocity(value)
 
 
+def _ratio(value: Any) -> Any:
+    """None, a ratio, or a tuple of them."""
+    if value is None:
+        return None
+    many = isinstance(value, list | tuple)
+    numbers = tuple(value) if many else (value,)
+    for number in numbers:
+        if isinstance(number, bool) or not isinstance(number, int | float) or not np.isfinite(number):
+            raise ValueError("must be a number such as 0.02, or a list of them, one for each mode")
+        if number < 0:
+            raise ValueError("must not be negative")
+    if not numbers:
+        raise ValueError("must be a number such as 0.02, or a list of them, one for each mode")
+    return tuple(float(number) for number in numbers) if many else float(value)
+
+
 @described("damping")
 class Damping:
-    """What damps a motion.
+    """What damps a motion, or a response to harmonic loads.
 
     Attributes
     ----------
-    ratio : float, optional
-        Of the first mode, to critical damping, by a viscous material: mode k gets omega_k / omega_1 times that.
+    ratio : float or list of float, optional
+        Of the first mode, to critical damping, by a viscous material: mode k gets omega_k / omega_1 times that. A
+        list, for a response by modes: of each mode, those beyond the last one have that of the last.
     viscosity : float, optional
         Time tau of a material of Kelvin and Voigt instead: its stress is that of the strain plus tau times its rate.
     drag : float
         Force against the velocity, per mass: 1 / time.
     """
 
-    ratio: Number | None = None
+    ratio: Annotated[Any, BeforeValidator(_ratio)] = None
     viscosity: Number | None = None
     drag: Number = 0.0
 
@@ -55,10 +75,21 @@ class Damping:
             raise InputError(
                 "damping: ratio and viscosity given: the ratio makes a viscosity of its own, leave one out"
             )
-        for key in ("ratio", "viscosity", "drag"):
+        for key in ("viscosity", "drag"):
             value = getattr(self, key)
             if value is not None and value < 0.0:
                 raise InputError(f"damping: {key} = {value:g} must not be negative")
+
+    @property
+    def per_mode(self) -> tuple[float, ...] | None:
+        """Ratios of the modes one by one; None where a material and drag damp them."""
+        return self.ratio if isinstance(self.ratio, tuple) else None
+
+    def material(self, omega: float) -> float:
+        """Viscosity of the material, where the first mode has a circular frequency."""
+        if self.ratio is None or self.per_mode is not None:
+            return float(self.viscosity or 0.0)
+        return 2.0 * float(self.ratio) / omega
 
 
 def damping(value: Any) -> Damping | None:

@@ -120,14 +120,6 @@ def _count(value: Any) -> Any:
     return value
 
 
-def _damping(value: Any) -> Any:
-    if value is None:
-        return 0.0
-    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < 1.0:
-        raise ValueError("must be a ratio between 0 and 1, such as 0.02")
-    return float(value)
-
-
 def _duration(value: Any) -> Any:
     if value is None:
         return None
@@ -156,15 +148,22 @@ def _range(value: Any) -> Any:
     return float(pair[0]), float(pair[1])
 
 
-@described("[solve]")
+MOVED = {
+    "damping": "it stands in a block of its own, for motions and responses alike: [damping] with ratio = 0.02, in "
+    'Python ks.Scene(..., damping={"ratio": 0.02})'
+}
+
+
+@described("[solve]", MOVED)
 class SolveOptions:
     """Options of a solve.
 
     Attributes
     ----------
-    analysis : "static", "path", "modes", "buckling" or "dynamic"
+    analysis : "static", "path", "modes", "buckling", "response" or "dynamic"
         Deflection under the loads, or under loads that grow from zero with a factor, through limit points; natural
-        frequencies; factors by which loads may grow before the structure buckles; motion in time.
+        frequencies; factors by which loads may grow before the structure buckles; steady vibration under harmonic
+        loads; motion in time.
     model : "auto", "plate" or "shell"
         The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
     element : "auto", "morley", "argyris", "hhj" or "koiter"
@@ -196,8 +195,6 @@ class SolveOptions:
         Modes with frequencies in a range, instead of a number of them.
     prestress : bool
         Of modes: the loads act before the structure vibrates.
-    damping : float
-        Of a response: ratio of all modes.
     error : "auto" or "off"
         Whether intervals are found for what is computed.
     time : float, optional
@@ -205,9 +202,9 @@ class SolveOptions:
     step : "auto" or float
         Of a motion: "auto" begins with a fortieth of the period of the first mode and adapts; a number stays where
         the step has an answer.
-    scheme : "auto", "alpha", "em", "bdf2" or "euler"
+    scheme : "auto", "alpha", "em", "bdf2", "euler", "modes" or "direct"
         Of a motion: generalised alpha (auto); energy and momentum conserved; backward differences of order 2 and 1,
-        which damp.
+        which damp. Of a response: by modes (auto), or a complex system for every frequency.
     output : int
         Of a motion: how many states are kept and written, evenly in time.
     ramp : float, optional
@@ -229,11 +226,10 @@ class SolveOptions:
     count: Annotated[Any, BeforeValidator(_count)] = None
     range: Annotated[Any, BeforeValidator(_range)] = None
     prestress: Flag = False
-    damping: Annotated[Any, BeforeValidator(_damping)] = 0.0
     error: Literal["auto", "off"] = "auto"
     time: Annotated[Any, BeforeValidator(_duration)] = None
     step: Annotated[Any, BeforeValidator(_time_step)] = "auto"
-    scheme: Literal["auto", "alpha", "em", "bdf2", "euler"] = "auto"
+    scheme: Literal["auto", "alpha", "em", "bdf2", "euler", "modes", "direct"] = "auto"
     output: Annotated[Any, BeforeValidator(_output)] = 50
     ramp: Annotated[Any, BeforeValidator(_duration)] = None
 

@@ -157,7 +157,7 @@ class Scene:
     initial_velocity : (vx, vy, vz), function f(x, y, z), or {"value": ..., "on": group}, optional
         At the start of a motion.
     damping : Damping or dict, optional
-        Of a motion.
+        Of a motion, or a response.
     contact : Contact or dict, optional
         What touches in a motion; with obstacles alone the defaults.
     obstacles : sequence of Obstacle

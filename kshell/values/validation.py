@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Annotated, Any, TypeVar, dataclass_transform
 
@@ -32,10 +32,15 @@ CONFIG = ConfigDict(extra="forbid", arbitrary_types_allowed=True, allow_inf_nan=
 
 
 @dataclass_transform(frozen_default=True)
-def described(name: str) -> Callable[[T], T]:
+def described(name: str, moved: Mapping[str, str] | None = None) -> Callable[[T], T]:
     """Class decorator: an immutable dataclass checked by pydantic, called `name` in messages.
 
     Its constructor raises InputError that names the key, its value, and what is expected.
+
+    Parameters
+    ----------
+    moved : mapping, optional
+        Keys that stand elsewhere, and where, in words.
     """
 
     def decorate(cls: T) -> T:
@@ -43,6 +48,9 @@ def described(name: str) -> Callable[[T], T]:
         unworded = checked.__init__
 
         def __init__(self: Any, /, *args: Any, **kwargs: Any) -> None:
+            for key, words in (moved or {}).items():
+                if key in kwargs:
+                    raise InputError(f"{name}: {key} = {shown(kwargs[key])}: {words}")
             try:
                 unworded(self, *args, **kwargs)
             except ValidationError as error:

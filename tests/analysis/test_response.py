@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 import kshell as ks
 from kshell.analysis.models import model_of
+from kshell.solvers.harmonic import harmonic_solution
 from tests.analysis.test_modes import square
 
 RATIO = 0.02
@@ -12,11 +14,11 @@ LOAD = ks.Pressure("sin(pi*x)*sin(pi*y)")
 CENTRE = {"centre": (0.5, 0.5, 0.0)}
 
 
-def shaken(load=LOAD, probes=CENTRE, **options):
+def shaken(load=LOAD, probes=CENTRE, damping={"ratio": RATIO}, **options):  # noqa: B006
     scene = square("SSSS", n=6, loads=[load], density=1.0)
     return ks.Scene(
         mesh=scene.mesh, thickness=1.0, material=scene.material, supports=list(scene.supports), loads=[load],
-        probes=probes, solve={"analysis": "response", "damping": RATIO, **options},
+        probes=probes, damping=damping, solve={"analysis": "response", **options},
     )  # fmt: skip
 
 
@@ -41,13 +43,13 @@ def test_static_share_of_the_modes_left_out():
     """Slowly, under a force that all modes feel, the answer is the static one."""
     force = ks.PointForce((0.5, 0.5, 0.0), (0, 0, 1.0))
     result = ks.solve(shaken(force, range=(0, 1)))
-    still = ks.solve(shaken(force), analysis="static", damping=0.0, large_deflection=False)
+    still = ks.solve(shaken(force), analysis="static", large_deflection=False)
     assert complex_at(result)[0, 2].real == pytest.approx(still.probe("centre")["u"][2], rel=1e-9)
 
 
 def test_against_a_direct_solution_without_damping():
     force = ks.PointForce((0.5, 0.5, 0.0), (0, 0, 1.0))
-    result = ks.solve(shaken(force, range=(4.0, 4.5), damping=0.0))
+    result = ks.solve(shaken(force, range=(4.0, 4.5), damping=None))
     model = model_of(shaken(force, range=(4.0, 4.5)))
     omega = 2 * np.pi * result.response["frequency"][50]
     dynamic = (model.stiffness() - omega**2 * model.mass()).toarray()
@@ -72,7 +74,8 @@ def test_picture_and_document():
         ({}, "needs a range"),
         ({"range": (0, 5), "count": 3}, "count is for"),
         ({"range": (0, 5), "prestress": True}, "prestress is for"),
-        ({"range": (0, 5), "damping": 1.5}, "between 0 and 1"),
+        ({"range": (0, 5), "damping": {"ratio": [0.02]}, "scheme": "direct"}, "a ratio for every mode"),
+        ({"range": (0, 5), "scheme": "alpha"}, 'scheme = "alpha" is for analysis = "dynamic"'),
     ],
 )
 def test_refused(options, message):
@@ -85,6 +88,46 @@ def test_needs_a_probe():
         ks.solve(shaken(probes={}, range=(0, 5)))
 
 
-def test_damping_elsewhere():
-    with pytest.raises(ks.InputError, match="damping is for analysis"):
-        ks.solve(shaken(), analysis="static")
+def test_damping_has_a_block_of_its_own():
+    with pytest.raises(ks.InputError, match=r"damping = 0.02: it stands in a block of its own.*ratio = 0.02"):
+        ks.solve(shaken(), damping=0.02, range=(0, 5))
+    with pytest.raises(ks.InputError, match='scheme = "direct" is for analysis = "response"'):
+        ks.solve(shaken(), analysis="static", scheme="direct")
+
+
+FORCE = ks.PointForce((0.5, 0.5, 0.0), (0, 0, 1.0))
+
+
+@pytest.mark.parametrize("damping", [{"ratio": 0.05}, {"viscosity": 0.01, "drag": 1.0}])
+def test_direct_and_by_modes_agree(damping):
+    """Through a resonance that answers and two that do not; what modes leave out is the inertia of the higher ones."""
+    both = [
+        ks.solve(shaken(FORCE, damping=damping, range=(2.0, 9.0), scheme=scheme))
+        for scheme in ("direct", "modes")
+    ]
+    direct = complex_at(both[0])[:, 2]
+    at = np.interp(
+        both[0].response["frequency"], both[1].response["frequency"], np.abs(complex_at(both[1])[:, 2])
+    )
+    assert len(both[0].response["modes"]) >= 3
+    assert np.abs(direct) == pytest.approx(at, rel=0.03, abs=2e-3 * np.abs(direct).max())
+
+
+def test_ratios_of_the_modes():
+    """Mode by mode, by viscosity in the ratio of the frequencies, by drag against it."""
+    listed = ks.solve(shaken(FORCE, damping={"ratio": [0.01, 0.03]}, range=(0, 6)))
+    assert listed.response["damping"][:3] == [0.01, 0.03, 0.03]
+    viscous = ks.solve(shaken(FORCE, range=(0, 6)))
+    omega = 2 * np.pi * np.array(viscous.response["modes"])
+    assert viscous.response["damping"] == pytest.approx(RATIO * omega / omega[0])
+    dragged = ks.solve(shaken(FORCE, damping={"drag": 0.4}, range=(0, 6)))
+    assert dragged.response["damping"] == pytest.approx(0.2 / omega)
+
+
+def test_resonance_without_damping():
+    result = ks.solve(shaken(damping=None, range=(3.0, 3.3), scheme="direct"))
+    assert any("nothing damps the resonance at 3.14" in words for words in result.warnings)
+    assert np.abs(complex_at(result)).max() > 50 * np.abs(complex_at(result)[0]).max()
+    one = sp.identity(3, format="csr")
+    with pytest.raises(ks.SolveError, match="in resonance"):
+        harmonic_solution(4.0 * one, one, np.ones(3), 2.0, 0.0, 0.0)

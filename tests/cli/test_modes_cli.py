@@ -94,7 +94,7 @@ def test_a_mesh_is_not_enough(tmp_path, capsys):
 def test_response_and_check(scene, capsys):
     load = '[[load]]\nkind = "pressure"\nvalue = 1\n[[probe]]\nname = "centre"\nat = [0.5, 0.5, 0]\n'
     text = SCENE.format(density=1.0).split("[[load]]")[0] + load
-    scene.write_text(text + '[solve]\nanalysis = "response"\nrange = [0, 6]\ndamping = 0.05\n')
+    scene.write_text(text + '[damping]\nratio = 0.05\n[solve]\nanalysis = "response"\nrange = [0, 6]\n')
     assert run(["solve", str(scene)]) == 0
     out = capsys.readouterr().out
     assert "Response from 0 to 6 Hz" in out
