@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import WithJsonSchema
 
 from kshell.errors import InputError
+from kshell.values import kinds
 from kshell.values.validation import Number, described
 
 Floats = NDArray[np.float64]
 
 LOPSIDED = 1e-9  # difference of M and its transpose, in its largest entry, that rounding may leave
+
+
+Matrix = Annotated[Any, WithJsonSchema(kinds.matrix(3))]
 
 
 @described("section")
@@ -21,31 +26,43 @@ class Section:
 
     Attributes
     ----------
-    A : (3, 3)
+    A : (3, 3) [force / length]
         Stretching, force per length: N = A e - B w''.
-    D : (3, 3)
+    D : (3, 3) [force * length]
         Bending, force times length: M = B e - D w'', w'' = (w_xx, w_yy, 2 w_xy).
-    B : (3, 3), optional
+    B : (3, 3), optional [force]
         Coupling, force; zero if absent.
-    mass : float
+    mass : float [mass / length^2]
         Mass per area.
-    S : (2, 2), optional
+    S : (2, 2), optional [force / length]
         Transverse shear, force per length: (Q_x, Q_y) = S (gamma_x, gamma_y). Without it the error that the theory
         makes by having no shear is not known.
-    thickness : float, optional
+    thickness : float, optional [length]
         Without it there are no stresses; with it they are N / t +- 6 M / t^2.
 
     Raises
     ------
     InputError
         If a matrix is not one of finite numbers, not symmetric, or the energy is not positive for every strain.
+
+    Examples
+    --------
+    ```toml
+    [section]
+    A = [[3e7, 9e6, 0], [9e6, 3e7, 0], [0, 0, 1e7]]
+    D = [[900, 270, 0], [270, 900, 0], [0, 0, 315]]
+    B = [[100, 0, 0], [0, 100, 0], [0, 0, 50]]
+    S = [[8e5, 0], [0, 8e5]]
+    mass = 12
+    thickness = 0.02
+    ```
     """
 
-    A: Any
-    D: Any
-    B: Any = None
+    A: Matrix
+    D: Matrix
+    B: Matrix = None
     mass: Number = 0.0
-    S: Any = None
+    S: Annotated[Any, WithJsonSchema(kinds.matrix(2))] = None
     thickness: Number | None = None
 
     def __post_init__(self) -> None:

@@ -37,10 +37,22 @@ class Layer:
     Attributes
     ----------
     material : Isotropic, Orthotropic or Anisotropic
-    thickness : float
+    thickness : float [length]
         > 0.
-    angle : float
+    angle : float [degrees]
         Degrees by which the material is turned about z, counter-clockwise, on top of its own angle.
+
+    Examples
+    --------
+    ```toml
+    [[layer]]
+    E1 = 140e9
+    E2 = 10e9
+    nu12 = 0.3
+    G12 = 5e9
+    thickness = 0.00125
+    angle = 45
+    ```
     """
 
     material: Any

@@ -11,14 +11,16 @@ T           strains in material axes = T strains in global axes
 from __future__ import annotations
 
 from dataclasses import field
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.material.elastic_constants import elastic_constants, require_positive
 from kshell.material.elastic_symmetry import stiffness, stiffness_matrix
+from kshell.values import kinds
 from kshell.values.validation import Number, described
 
 Floats = NDArray[np.float64]
@@ -58,21 +60,35 @@ class Isotropic:
 
     Attributes
     ----------
-    E : float
-        Young's modulus, force per area, > 0.
-    nu : float
+    E : float [force / length^2]
+        Young's modulus, > 0.
+    nu : float [1]
         Poisson's ratio, -1 < nu < 1/2.
-    lame_lambda, lame_mu : float
-        Lame's constants, force per area; lame_mu is the shear modulus.
-    density : float
+    lame_lambda, lame_mu : float [force / length^2]
+        Lame's constants instead of E and nu; lame_mu is the shear modulus.
+    density : float [mass / length^3]
         Mass per volume.
-    yield_stress : float, optional
+    yield_stress : float, optional [force / length^2]
         Against which von Mises stresses are held as `utilisation`.
 
     Raises
     ------
     InputError
         If not exactly one of the two pairs is given or a constant is outside its limits.
+
+    Examples
+    --------
+    ```toml
+    [material]
+    E = 210e9
+    nu = 0.3
+    density = 7850
+    yield_stress = 235e6
+
+    [group.web.material]
+    lame_lambda = 1.2e11
+    lame_mu = 8.1e10
+    ```
     """
 
     E: Number | None = None
@@ -122,21 +138,36 @@ class Orthotropic:
 
     Attributes
     ----------
-    E1, E2 : float
+    E1, E2 : float [force / length^2]
         Young's moduli along the axes, > 0.
-    nu12 : float
+    nu12 : float [1]
         Contraction along 2 under stress along 1; nu12^2 < E1 / E2.
-    G12 : float
+    G12 : float [force / length^2]
         Shear modulus in the plane, > 0.
-    angle : float
+    angle : float [degrees]
         Degrees from the global x axis to axis 1, counter-clockwise.
-    density : float
+    density : float [mass / length^3]
         Mass per volume.
-    yield_stress : float, optional
+    yield_stress : float, optional [force / length^2]
         Against which von Mises stresses are held as `utilisation`.
-    G13, G23 : float, optional
+    G13, G23 : float, optional [force / length^2]
         Transverse shear moduli along the axes, > 0; G12 where they are not given. Only how much shear would add to the
         deflection, and shear stresses, hang on them.
+
+    Examples
+    --------
+    ```toml
+    [material]
+    E1 = 140e9
+    E2 = 10e9
+    nu12 = 0.3
+    G12 = 5e9
+    G13 = 5e9
+    G23 = 3.5e9
+    angle = 30
+    density = 1600
+    yield_stress = 900e6
+    ```
     """
 
     E1: Number
@@ -179,18 +210,28 @@ class Anisotropic:
 
     Attributes
     ----------
-    C : (6, 6) or (3, 3) array
+    C : (6, 6) or (3, 3) array [force / length^2]
         Stiffness in space in the order xx yy zz yz xz xy (it is reduced to plane stress), or the
         plane-stress stiffness in the order xx yy xy; engineering shears. Symmetric, positive definite.
-    density : float
+    density : float [mass / length^3]
         Mass per volume.
-    yield_stress : float, optional
+    yield_stress : float, optional [force / length^2]
         Against which von Mises stresses are held as `utilisation`.
-    angle : float
+    angle : float [degrees]
         Degrees from the global x axis to material axis 1, counter-clockwise.
+
+    Examples
+    --------
+    ```toml
+    [material]
+    C = [[170e9, 60e9, 0], [60e9, 170e9, 0], [0, 0, 40e9]]
+    density = 2330
+    angle = 45
+    yield_stress = 300e6
+    ```
     """
 
-    C: Any
+    C: Annotated[Any, WithJsonSchema(kinds.either(kinds.matrix(6), kinds.matrix(3)))]
     density: Number = 0.0
     angle: Number = 0.0
     yield_stress: Number | None = None

@@ -7,10 +7,11 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.scene.loads import Load
+from kshell.values import kinds
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import described
 
@@ -55,6 +56,10 @@ def _by_case(value: Any) -> Any:
     return {str(name): float(factor) for name, factor in value.items()}
 
 
+_NAME_OR_NUMBER = kinds.either(kinds.TEXT, {"type": "integer", "minimum": 0})
+LOAD_NAMES = kinds.either(*_NAME_OR_NUMBER["anyOf"], kinds.listed(_NAME_OR_NUMBER))
+
+
 @described("case")
 class Case:
     """Loads that act together.
@@ -62,15 +67,25 @@ class Case:
     Attributes
     ----------
     name : str
+        By which its results are reported and combinations know it.
     loads : sequence of str or int
         Names of loads, or their numbers from 0; a name that several loads share means all of them.
-    factors : sequence of float, optional
+    factors : sequence of float, optional [1]
         One for each entry of `loads`; 1 if absent.
+
+    Examples
+    --------
+    ```toml
+    [[case]]
+    name = "winter"
+    loads = ["snow", 0]
+    factors = [1.0, 1.35]
+    ```
     """
 
     name: Annotated[str, BeforeValidator(_name)]
-    loads: Annotated[Any, BeforeValidator(_loads)]
-    factors: Annotated[Any, BeforeValidator(_factors)] = None
+    loads: Annotated[Any, BeforeValidator(_loads), WithJsonSchema(LOAD_NAMES)]
+    factors: Annotated[Any, BeforeValidator(_factors), WithJsonSchema(kinds.listed(kinds.NUMBER))] = None
 
     def __post_init__(self) -> None:
         if self.factors is not None and len(self.factors) != len(self.loads):
@@ -86,12 +101,25 @@ class Combination:
     Attributes
     ----------
     name : str
-    factors : dict of str to float
+        By which its results are reported.
+    factors : dict of str to float [1]
         Case to factor; cases that are not named do not act.
+
+    Examples
+    --------
+    ```toml
+    [[combination]]
+    name = "design"
+    factors = {winter = 1.5}
+    ```
     """
 
     name: Annotated[str, BeforeValidator(_name)]
-    factors: Annotated[Any, BeforeValidator(_by_case)]
+    factors: Annotated[
+        Any,
+        BeforeValidator(_by_case),
+        WithJsonSchema({"type": "object", "additionalProperties": kinds.NUMBER, "minProperties": 1}),
+    ]
 
 
 def load_factors(

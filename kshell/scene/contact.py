@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import shown
 from kshell.scene.places import as_point
+from kshell.values import kinds
 from kshell.values.expression import Expression
 from kshell.values.naming import listing, suggestion
 from kshell.values.time import TIME
@@ -35,29 +36,44 @@ def _auto(value: Any) -> Any:
     return float(value)
 
 
+AUTO_OR_LENGTH = kinds.either(kinds.AUTO, kinds.POSITIVE)
+
+
 @described("contact")
 class Contact:
     """How surfaces touch.
 
     Attributes
     ----------
-    friction : float
+    friction : float [1]
         Coulomb's coefficient.
     self : bool
         Whether the shell touches itself.
-    thickness : "auto" or float
+    thickness : "auto" or float [length]
         Distance kept between middle surfaces, half of it to obstacles; auto: the thickness of the shell.
-    distance : "auto" or float
+    distance : "auto" or float [length]
         From which surfaces feel each other, beyond the thickness; auto: a tenth of the smallest edge, at most half of
         the smallest distance at the start.
-    speed : float
+    speed : float [length / time]
         Of sliding up to which friction sticks.
+
+    Examples
+    --------
+    ```toml
+    [contact]
+    with = [{kind = "plane", point = [0, 0, 0], normal = [0, 0, 1]}]
+    friction = 0.3
+    self = false
+    thickness = 0.01
+    distance = 0.002
+    speed = 0.01
+    ```
     """
 
     friction: Number = 0.0
     self: Flag = True
-    thickness: Annotated[Any, BeforeValidator(_auto)] = "auto"
-    distance: Annotated[Any, BeforeValidator(_auto)] = "auto"
+    thickness: Annotated[Any, BeforeValidator(_auto), WithJsonSchema(AUTO_OR_LENGTH)] = "auto"
+    distance: Annotated[Any, BeforeValidator(_auto), WithJsonSchema(AUTO_OR_LENGTH)] = "auto"
     speed: Number = 1e-3
 
     def __post_init__(self) -> None:
@@ -128,14 +144,26 @@ class Obstacle:
     shape : path, Mesh or dict
         A dict has the kind plane (point, normal towards the shell), sphere (centre, radius) or cylinder (point, axis,
         radius).
-    motion : three expressions in t, optional
+    motion : three expressions in t, optional [length]
         Displacement since t = 0.
     name : str, optional
         Of its forces in the history.
+
+    Examples
+    --------
+    ```toml
+    [contact]
+    with = [
+        {kind = "sphere", centre = [0, 0, -1], radius = 0.5, name = "ball", motion = [0, 0, "0.1*t"]},
+        {kind = "plane", point = [0, 0, -2], normal = [0, 0, 1]},
+        {kind = "cylinder", point = [0, 0, -1], axis = [1, 0, 0], radius = 0.2},
+        {file = "table.stl", name = "table"},
+    ]
+    ```
     """
 
     shape: Annotated[Any, BeforeValidator(_shape)]
-    motion: Annotated[Any, BeforeValidator(_motion)] = None
+    motion: Annotated[Any, BeforeValidator(_motion), WithJsonSchema(kinds.VECTOR)] = None
     name: str | None = None
 
     def displacement(self, time: float) -> np.ndarray:

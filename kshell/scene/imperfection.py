@@ -6,9 +6,10 @@ import os
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
+from kshell.values import kinds
 from kshell.values.validation import Number, described
 
 
@@ -30,9 +31,9 @@ class Imperfection:
 
     Attributes
     ----------
-    amplitude : float, optional
+    amplitude : float, optional [length]
         Largest offset; negative: the other way. Needed for a mode; of a file absent: offsets as they stand.
-    mode : int
+    mode : int [1]
         Which linear buckling mode under the loads of the scene, counted from 1, gives the shape. Its largest
         component is positive.
     file : path, optional
@@ -40,11 +41,23 @@ class Imperfection:
         result .vtu of the same mesh.
     field : str
         Of a .vtu, for example the critical mode of a path.
+
+    Examples
+    --------
+    ```toml
+    [imperfection]
+    amplitude = 0.001
+    mode = 2
+
+    [imperfection]         # or from a file
+    file = "offsets.vtu"
+    field = "mode_1"
+    ```
     """
 
     amplitude: Number | None = None
-    mode: Annotated[Any, BeforeValidator(_mode)] = 1
-    file: Annotated[Any, BeforeValidator(_file)] = None
+    mode: Annotated[Any, BeforeValidator(_mode), WithJsonSchema(kinds.COUNT)] = 1
+    file: Annotated[Any, BeforeValidator(_file), WithJsonSchema(kinds.PATH)] = None
     field: str = "mode_1"
 
     def __post_init__(self) -> None:

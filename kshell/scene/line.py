@@ -6,10 +6,10 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
-from kshell.scene.places import as_point
+from kshell.scene.places import PlacePoint
 from kshell.values.validation import described
 
 
@@ -32,16 +32,27 @@ class Line:
     Attributes
     ----------
     name : str
-    start, end : (x, y, z)
-        "from" and "to" in a scene file.
-    n : int
+        By which its values are reported.
+    start, end : (x, y, z) [length]
+        Where it begins and ends; "from" and "to" in a scene file.
+    n : int [1]
         Number of points, both ends among them.
+
+    Examples
+    --------
+    ```toml
+    [[line]]
+    name = "middle"
+    from = [0, 0.5, 0]
+    to = [2, 0.5, 0]
+    n = 41
+    ```
     """
 
     name: Annotated[str, BeforeValidator(_name)]
-    start: Annotated[Any, BeforeValidator(as_point)]
-    end: Annotated[Any, BeforeValidator(as_point)]
-    n: Annotated[int, BeforeValidator(_points)] = 101
+    start: PlacePoint
+    end: PlacePoint
+    n: Annotated[int, BeforeValidator(_points), WithJsonSchema({"type": "integer", "minimum": 2})] = 101
 
     def __post_init__(self) -> None:
         if self.start == self.end:

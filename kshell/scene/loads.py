@@ -33,7 +33,7 @@ class Load:
     kind : str
         The name in a scene file.
     on : str, tuple of str, (x, y, z) or None
-        Where it acts; None is everywhere.
+        Where it acts: a group, several, or the nearest vertex; everywhere if absent.
     value : scalar or vector
     fixed : bool
         Whether it does not grow in buckling.
@@ -118,7 +118,27 @@ Name = Annotated[str, BeforeValidator(_name)]
 
 @described("load pressure")
 class Pressure(Load):
-    """Force per area along the normal, positive along +z on a plate."""
+    """Force per area along the normal, positive along +z on a plate.
+
+    Attributes
+    ----------
+    value : scalar [force / length^2]
+        Along the normal; against it where negative.
+    follower : bool
+        Whether it turns with the surface under large deflections.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    name = "wind"
+    kind = "pressure"
+    value = "-800*(1 + y)"
+    on = "roof"
+    follower = true
+    fixed = true
+    ```
+    """
 
     kind: ClassVar[str] = "pressure"
     value: ScalarValue
@@ -133,7 +153,21 @@ class Pressure(Load):
 
 @described("load traction")
 class Traction(Load):
-    """Force per area, a vector."""
+    """Force per area, a vector.
+
+    Attributes
+    ----------
+    value : vector [force / length^2]
+        Its x, y and z.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "traction"
+    value = [0, 0, "-1500*cos(pi*x)"]
+    ```
+    """
 
     kind: ClassVar[str] = "traction"
     components: ClassVar[int | None] = 3
@@ -145,7 +179,21 @@ class Traction(Load):
 
 @described("load gravity")
 class Gravity(Load):
-    """Acceleration, a vector; the material needs a density."""
+    """Acceleration, a vector; the material needs a density.
+
+    Attributes
+    ----------
+    value : vector [length / time^2]
+        Its x, y and z.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "gravity"
+    value = [0, 0, -9.81]
+    ```
+    """
 
     kind: ClassVar[str] = "gravity"
     components: ClassVar[int | None] = 3
@@ -157,7 +205,22 @@ class Gravity(Load):
 
 @described("load line_force")
 class LineForce(Load):
-    """Force per length along curves, a vector."""
+    """Force per length along curves, a vector.
+
+    Attributes
+    ----------
+    value : vector [force / length]
+        Its x, y and z.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "line_force"
+    on = "rim"
+    value = [0, 0, -200]
+    ```
+    """
 
     kind: ClassVar[str] = "line_force"
     dimensions: ClassVar[tuple[int, ...]] = (1,)
@@ -170,7 +233,22 @@ class LineForce(Load):
 
 @described("load edge_moment")
 class EdgeMoment(Load):
-    """Bending moment per length on an edge: positive puts the face z = +t/2 in tension."""
+    """Bending moment per length on an edge: positive puts the face z = +t/2 in tension.
+
+    Attributes
+    ----------
+    value : scalar [force]
+        Moment per length.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "edge_moment"
+    on = "right"
+    value = 50
+    ```
+    """
 
     kind: ClassVar[str] = "edge_moment"
     dimensions: ClassVar[tuple[int, ...]] = (1,)
@@ -182,7 +260,22 @@ class EdgeMoment(Load):
 
 @described("load point_force")
 class PointForce(Load):
-    """Force at a point, a vector."""
+    """Force at a point, a vector.
+
+    Attributes
+    ----------
+    value : vector [force]
+        Its x, y and z.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "point_force"
+    on = [0.75, 0.5, 0]
+    value = [0, 0, -500]
+    ```
+    """
 
     kind: ClassVar[str] = "point_force"
     dimensions: ClassVar[tuple[int, ...]] = (0,)
@@ -195,7 +288,22 @@ class PointForce(Load):
 
 @described("load point_moment")
 class PointMoment(Load):
-    """Moment vector at a point."""
+    """Moment vector at a point.
+
+    Attributes
+    ----------
+    value : vector [force * length]
+        About x, y and z.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "point_moment"
+    on = "hub"
+    value = [0, 120, 0]
+    ```
+    """
 
     kind: ClassVar[str] = "point_moment"
     dimensions: ClassVar[tuple[int, ...]] = (0,)
@@ -216,12 +324,22 @@ class Temperature(Load):
 
     Attributes
     ----------
-    mean : scalar
+    mean : scalar [temperature]
         Change at the middle; a plate that is free to stretch does not feel it.
-    gradient : scalar
+    gradient : scalar [temperature / length]
         Change per length along +z: (T_top - T_bottom) / thickness.
-    expansion : float
+    expansion : scalar [1 / temperature]
         Coefficient of thermal expansion, strain per temperature.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "temperature"
+    mean = 30
+    gradient = 500
+    expansion = 1.2e-5
+    ```
     """
 
     kind: ClassVar[str] = "temperature"
@@ -261,7 +379,21 @@ class Temperature(Load):
 
 @described("load initial_curvature")
 class InitialCurvature(Load):
-    """Curvature (w_xx, w_yy, w_xy) that the plate takes up without moments."""
+    """Curvature (w_xx, w_yy, w_xy) that the plate takes up without moments.
+
+    Attributes
+    ----------
+    value : vector [1 / length]
+        The three of them.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "initial_curvature"
+    value = [0.001, 0.001, 0]
+    ```
+    """
 
     kind: ClassVar[str] = "initial_curvature"
     components: ClassVar[int | None] = 3
@@ -283,6 +415,19 @@ class InitialStrain(Load):
     """Strain of the middle surface (E_11, E_22, E_12) that a shell takes up without stress; E_12 is half the shear.
 
     In the frame of the results: e_1 is the projection of the global x (of y where x is normal).
+
+    Attributes
+    ----------
+    value : vector [1]
+        The three of them.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "initial_strain"
+    value = [1e-4, 1e-4, 0]
+    ```
     """
 
     kind: ClassVar[str] = "initial_strain"

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.scene.places import On, VectorValue
+from kshell.values import kinds
 from kshell.values.validation import Number, described
 
 
@@ -19,9 +20,18 @@ class InitialVelocity:
 
     Attributes
     ----------
-    value : (vx, vy, vz) of numbers or expressions in x, y, z, or function f(x, y, z) that returns three components
+    value : vector [length / time]
+        Numbers or expressions in x, y, z, or a function f(x, y, z) that returns three components.
     on : str or list of str, optional
         Surface groups that move; everything if absent.
+
+    Examples
+    --------
+    ```toml
+    [initial]
+    velocity = [0, 0, "2*x"]
+    on = "plate"
+    ```
     """
 
     value: VectorValue
@@ -57,16 +67,29 @@ class Damping:
 
     Attributes
     ----------
-    ratio : float or list of float, optional
+    ratio : float or list of float, optional [1]
         Of the first mode, to critical damping, by a viscous material: mode k gets omega_k / omega_1 times that. A
         list, for a response by modes: of each mode, those beyond the last one have that of the last.
-    viscosity : float, optional
+    viscosity : float, optional [time]
         Time tau of a material of Kelvin and Voigt instead: its stress is that of the strain plus tau times its rate.
-    drag : float
+    drag : float [1 / time]
         Force against the velocity, per mass: 1 / time.
+
+    Examples
+    --------
+    ```toml
+    [damping]
+    ratio = 0.02
+    drag = 0.5
+
+    [damping]              # or by a time instead of a ratio
+    viscosity = 1e-4
+    ```
     """
 
-    ratio: Annotated[Any, BeforeValidator(_ratio)] = None
+    ratio: Annotated[
+        Any, BeforeValidator(_ratio), WithJsonSchema(kinds.either(kinds.NUMBER, kinds.listed(kinds.NUMBER)))
+    ] = None
     viscosity: Number | None = None
     drag: Number = 0.0
 

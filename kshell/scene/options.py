@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
+from kshell.values import kinds
 from kshell.values.validation import Flag, Number, described
 
 # change of the displacements from which large deflections matter
@@ -37,7 +38,7 @@ class Control:
     probe : str
         Name of a probe of the scene.
     component : "x", "y" or "z"
-    to : float
+    to : float [length]
         Last value of this component of its displacement.
     """
 
@@ -48,6 +49,9 @@ class Control:
     def __post_init__(self) -> None:
         if self.to == 0.0:
             raise InputError("control: to = 0 goes nowhere: give the last displacement of the probe")
+
+
+CONTROL = kinds.table(probe=kinds.TEXT, component={"enum": ["x", "y", "z"]}, to=kinds.NUMBER)
 
 
 def _control(value: Any) -> Any:
@@ -128,6 +132,9 @@ def _duration(value: Any) -> Any:
     return float(value)
 
 
+Duration = Annotated[Any, BeforeValidator(_duration), WithJsonSchema(kinds.POSITIVE)]
+
+
 def _time_step(value: Any) -> Any:
     return value if value == "auto" else _duration(value)
 
@@ -174,7 +181,7 @@ class SolveOptions:
         Of the Koiter element, up to 3, and of HHJ plates.
     large_deflection : "auto", True or False
         "auto": small deflections first, large ones where they differ by more than 1 %.
-    tolerance : float, optional
+    tolerance : float, optional [1]
         Relative: the mesh is refined until what is asked for is known that well. Absent: it is solved as given.
     quantity : str, optional
         What the tolerance is for: "energy", "probes", or the name of one; the probes where there are any if absent.
@@ -182,49 +189,98 @@ class SolveOptions:
         A time or a size of memory, "60 s" or "4 GB", at which the mesh is refined no more.
     solver : "auto", "direct" or "multigrid"
         How the linear system is solved.
-    steps : "auto" or int
+    steps : "auto" or int [1]
         First guess of the number of load steps; they adapt. "auto": 10 on a path, 1 otherwise.
     control : Control or dict, optional
         Of a path: the displacement of a probe grows in steps instead of the load.
     branch : 0, 1 or -1
         Of a path: what to do at its first bifurcation: stay on it, or follow the branch that leaves along the
         critical mode, or against it.
-    count : int, optional
+    count : int, optional [1]
         How many modes (6 if not given) or buckling factors (3).
-    range : (f1, f2), optional
+    range : (f1, f2), optional [1 / time]
         Modes with frequencies in a range, instead of a number of them.
     prestress : bool
         Of modes: the loads act before the structure vibrates.
     error : "auto" or "off"
         Whether intervals are found for what is computed.
-    time : float, optional
+    time : float, optional [time]
         Of a motion: its end.
-    step : "auto" or float
+    step : "auto" or float [time]
         Of a motion: "auto" begins with a fortieth of the period of the first mode and adapts; a number stays where
         the step has an answer.
     scheme : "auto", "alpha", "em", "bdf2", "euler", "modes" or "direct"
         Of a motion: generalised alpha (auto); energy and momentum conserved; backward differences of order 2 and 1,
         which damp. Of a response: by modes (auto), or a complex system for every frequency.
-    output : int
+    output : int [1]
         Of a motion: how many states are kept and written, evenly in time.
-    ramp : float, optional
+    ramp : float, optional [time]
         Of a motion: time over which all loads and prescribed motions grow from zero.
+
+    Examples
+    --------
+    ```toml
+    [solve]
+    analysis = "static"
+    model = "shell"
+    element = "koiter"
+    order = 2
+    large_deflection = true
+    tolerance = "1%"
+    quantity = "centre"
+    limit = "60 s"
+    solver = "direct"
+    error = "auto"
+
+    [solve]                # a path
+    analysis = "path"
+    steps = 20
+    control = {probe = "crown", component = "z", to = -0.03}
+    branch = 1
+
+    [solve]                # modes
+    analysis = "modes"
+    count = 10
+    prestress = true
+
+    [solve]                # all modes between two frequencies
+    analysis = "modes"
+    range = [0, 100]
+
+    [solve]                # a response to loads that oscillate
+    analysis = "response"
+    scheme = "modes"
+
+    [solve]                # a motion
+    analysis = "dynamic"
+    time = 0.5
+    step = 0.001
+    scheme = "alpha"
+    output = 100
+    ramp = 0.1
+    ```
     """
 
     analysis: Literal["static", "path", "modes", "buckling", "response", "dynamic"] = "static"
     model: Literal["auto", "plate", "shell"] = "auto"
     element: Literal["auto", "morley", "argyris", "hhj", "koiter"] = "auto"
     order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8] = "auto"
-    large_deflection: Annotated[Any, BeforeValidator(_large)] = "auto"
-    tolerance: Annotated[Any, BeforeValidator(as_tolerance)] = None
-    quantity: Annotated[Any, BeforeValidator(_quantity)] = None
-    limit: Annotated[Any, BeforeValidator(_limit)] = None
+    large_deflection: Annotated[
+        Any, BeforeValidator(_large), WithJsonSchema({"enum": ["auto", True, False]})
+    ] = "auto"
+    tolerance: Annotated[
+        Any, BeforeValidator(as_tolerance), WithJsonSchema(kinds.either(kinds.POSITIVE, kinds.TEXT))
+    ] = None
+    quantity: Annotated[Any, BeforeValidator(_quantity), WithJsonSchema(kinds.TEXT)] = None
+    limit: Annotated[Any, BeforeValidator(_limit), WithJsonSchema(kinds.TEXT)] = None
     solver: Literal["auto", "direct", "multigrid"] = "auto"
-    steps: Annotated[Any, BeforeValidator(_steps)] = "auto"
-    control: Annotated[Any, BeforeValidator(_control)] = None
-    branch: Annotated[Any, BeforeValidator(_branch)] = 0
-    count: Annotated[Any, BeforeValidator(_count)] = None
-    range: Annotated[Any, BeforeValidator(_range)] = None
+    steps: Annotated[Any, BeforeValidator(_steps), WithJsonSchema(kinds.either(kinds.AUTO, kinds.COUNT))] = (
+        "auto"
+    )
+    control: Annotated[Any, BeforeValidator(_control), WithJsonSchema(CONTROL)] = None
+    branch: Annotated[Any, BeforeValidator(_branch), WithJsonSchema({"enum": [0, 1, -1]})] = 0
+    count: Annotated[Any, BeforeValidator(_count), WithJsonSchema(kinds.COUNT)] = None
+    range: Annotated[Any, BeforeValidator(_range), WithJsonSchema(kinds.listed(kinds.NUMBER, 2, 2))] = None
     prestress: Flag = False
     error: Literal["auto", "off"] = "auto"
     time: Annotated[Any, BeforeValidator(_duration)] = None

@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError, clipped
+from kshell.values import kinds
 from kshell.values.expression import PLACE, Expression
 from kshell.values.time import TIME
 
@@ -123,13 +124,13 @@ def _formula(text: str) -> str:
     return text
 
 
-On = Annotated[Any, BeforeValidator(_as_place)]
+On = Annotated[Any, BeforeValidator(_as_place), WithJsonSchema(kinds.PLACE)]
 """A group name, a tuple of group names, or a point (x, y, z)."""
 
-ScalarValue = Annotated[Any, BeforeValidator(as_scalar)]
+ScalarValue = Annotated[Any, BeforeValidator(as_scalar), WithJsonSchema(kinds.SCALAR)]
 """A number, an expression in x, y, z, or a function."""
 
-VectorValue = Annotated[Any, BeforeValidator(_as_vector)]
+VectorValue = Annotated[Any, BeforeValidator(_as_vector), WithJsonSchema(kinds.VECTOR)]
 """Three numbers or expressions, or a function that returns three components."""
 
 
@@ -139,7 +140,12 @@ def _as_either(value: Any) -> Any:
     )
 
 
-ScalarOrVector = Annotated[Any, BeforeValidator(_as_either)]
+ScalarOrVector = Annotated[
+    Any, BeforeValidator(_as_either), WithJsonSchema(kinds.either(*kinds.SCALAR["anyOf"], kinds.VECTOR))
+]
+
+PlacePoint = Annotated[Any, BeforeValidator(as_point), WithJsonSchema(kinds.POINT)]
+"""A point."""
 
 
 def on_words(on: Place | None) -> str:

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
@@ -41,6 +41,7 @@ from kshell.scene.sections import (
 )
 from kshell.scene.supports import Support
 from kshell.scene.toml import apply_override, inside, read_toml, scene_arguments
+from kshell.values import kinds
 from kshell.values.html import html_table
 from kshell.values.naming import listing, suggestion
 from kshell.values.validation import Number, described
@@ -102,6 +103,10 @@ def _probes(value: Any) -> Any:
     return points
 
 
+THICKNESS = kinds.either(kinds.POSITIVE, kinds.EXPRESSION)
+TOWARDS = kinds.either(kinds.DIRECTION, kinds.table(point=kinds.POINT))
+
+
 @described("scene")
 class Scene:
     """A plate or shell with everything that holds and loads it.
@@ -110,7 +115,7 @@ class Scene:
     ----------
     mesh : path, kshell.Mesh, skfem.MeshTri or meshio.Mesh
         .msh of order 1 or 2, .geo .step .brep (meshed by gmsh), .inp .bdf .med .unv .obj .stl and others.
-    thickness : number, expression in x, y, z, or callable f(x, y, z)
+    thickness : number, expression in x, y, z, or callable f(x, y, z) [length]
         Not together with `layers` or `section`. This, material, layers, section, offset and direction may be a dict of
         surface group to value; the group "*" in it stands for all other triangles.
     material : Isotropic, Orthotropic or Anisotropic
@@ -120,9 +125,9 @@ class Scene:
         Stiffness given directly, instead of thickness and material.
     chart : kshell.geometry.Chart or dict with its kind and constants, optional
         The mesh lies in the plane z = 0 of its parameters u, v. Loads, points and probes are in x, y, z as usual.
-    offset : float
+    offset : float [length]
         Height of the middle of the material above the mesh, along the normal; shells only.
-    direction : (x, y, z), optional
+    direction : (x, y, z), optional [1]
         From its projection on the shell the angle of the material axes counts; without it from that of x (of y
         where x is normal). Shells only.
     imperfection : Imperfection or dict, optional
@@ -140,16 +145,16 @@ class Scene:
         Groups of curves along which the mesh is cut open.
     lines : sequence of Line
         Along which values are reported.
-    mesh_size : float, optional
+    mesh_size : float, optional [length]
         Triangle size, only for geometry files.
     mesh_order : "auto", 1 or 2
         Order of the triangles, only for geometry files; auto: 2 where a surface or curve is curved.
     facets : "auto", "flat" or "curved"
         Whether flat triangles of a curved surface get mid-edge nodes on a smooth surface through their vertices; auto:
         where the error of these nodes is small against the thickness.
-    crease : float
-        Angle in degrees from which neighbours meet in a fold that stays one.
-    top_towards : (x, y, z) or {"point": (x, y, z)}, optional
+    crease : float [degrees]
+        Angle from which neighbours meet in a fold that stays one.
+    top_towards : (x, y, z) or {"point": (x, y, z)}, optional [length]
         Direction in which the top of every sheet looks, or a point from which it is seen; shells in space only.
     geometry : path, optional
         .geo, .step, .brep or .iges from which a mesh of order 1 was made: its mid-edge nodes are put on the curves
@@ -162,6 +167,7 @@ class Scene:
         What touches in a motion; with obstacles alone the defaults.
     obstacles : sequence of Obstacle
     title : str
+        Of all that is printed, drawn and written.
     solve : SolveOptions or dict
         The defaults for `kshell.solve(scene)`.
 
@@ -169,25 +175,41 @@ class Scene:
     ------
     InputError
         Naming the key, its value and how to mend it.
+
+    Examples
+    --------
+    ```toml
+    title = "Roof"
+    mesh = "roof.step"
+    mesh_size = 0.2
+    mesh_order = 2
+    geometry = "roof.step"
+    facets = "curved"
+    crease = 40
+    top_towards = [0, 0, 1]
+    thickness = "0.01 + 0.002*x"
+    offset = 0.005
+    direction = [0, 1, 0]
+    ```
     """
 
-    mesh: Annotated[Any, BeforeValidator(_mesh)]
-    thickness: Annotated[Any, BeforeValidator(by_group(as_thickness))] = None
+    mesh: Annotated[Any, BeforeValidator(_mesh), WithJsonSchema(kinds.PATH)]
+    thickness: Annotated[Any, BeforeValidator(by_group(as_thickness)), WithJsonSchema(THICKNESS)] = None
     material: Annotated[Any, BeforeValidator(by_group(as_material))] = None
     supports: Any = ()
     loads: Any = ()
     probes: Annotated[dict[str, Any], BeforeValidator(_probes)] = field(default_factory=dict)
     layers: Annotated[Any, BeforeValidator(by_group(as_layers))] = None
     chart: Annotated[Any, BeforeValidator(_chart)] = None
-    offset: Annotated[Any, BeforeValidator(by_group(as_offset))] = 0.0
-    direction: Annotated[Any, BeforeValidator(by_group(as_direction))] = None
+    offset: Annotated[Any, BeforeValidator(by_group(as_offset)), WithJsonSchema(kinds.NUMBER)] = 0.0
+    direction: Annotated[Any, BeforeValidator(by_group(as_direction)), WithJsonSchema(kinds.DIRECTION)] = None
     imperfection: Any = None
     mesh_size: Number | None = None
     mesh_order: Literal["auto", 1, 2] = "auto"
     facets: Literal["auto", "flat", "curved"] = "auto"
     crease: Number = 30.0
-    top_towards: Annotated[Any, BeforeValidator(_top_towards)] = None
-    geometry: Annotated[Any, BeforeValidator(_geometry)] = None
+    top_towards: Annotated[Any, BeforeValidator(_top_towards), WithJsonSchema(TOWARDS)] = None
+    geometry: Annotated[Any, BeforeValidator(_geometry), WithJsonSchema(kinds.PATH)] = None
     cases: Any = ()
     combinations: Any = ()
     lines: Any = ()

@@ -11,16 +11,21 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import BeforeValidator
+from pydantic import WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.mesh.words import shown
-from kshell.scene.places import On, Place, Point, ScalarOrVector, ScalarValue, as_point, on_words
+from kshell.scene.places import On, Place, PlacePoint, ScalarOrVector, ScalarValue, on_words
+from kshell.values import kinds
 from kshell.values.validation import Flag, described
 from kshell.values.varying import is_constant, values_at
 
 FREEDOMS = "xyzr"
 SPRINGS = "xyzrn"  # of springs: n is the normal of the surface
+
+
+# three vectors at right angles, or None
+Axes = Annotated[Any, WithJsonSchema(kinds.matrix(3))]
 
 
 class Support:
@@ -33,9 +38,9 @@ class Support:
     kind : str
         The name in a scene file.
     freedoms : str
-        The freedoms that are held (or sprung), letters of "xyzr".
-    value : scalar, vector or None
-        Prescribed translation: a vector, or a scalar for z; None is zero.
+        The freedoms that are held (or sprung): letters of x, y, z (translations) and r (rotation about the edge).
+    value : scalar, vector or None [length]
+        Prescribed translation: a vector, or a scalar for z; zero if absent.
     fixed : bool
         Whether the prescribed translation does not grow in buckling.
     dimensions : tuple of int
@@ -83,6 +88,14 @@ class Clamped(Support):
     """No translation and no rotation about the edge; `value` prescribes a translation.
 
     On shells, where the translations are those of a rigid body, the edges turn with it.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "left"
+    kind = "clamped"
+    ```
     """
 
     kind: ClassVar[str] = "clamped"
@@ -94,7 +107,18 @@ class Clamped(Support):
 
 @described("support simply_supported")
 class SimplySupported(Support):
-    """No translation, rotation free; along an edge of a plate the hard kind, w = 0 all along."""
+    """No translation, rotation free; along an edge of a plate the hard kind, w = 0 all along.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = ["bottom", "top"]
+    kind = "simply_supported"
+    value = [0, 0, -0.002]
+    fixed = true
+    ```
+    """
 
     kind: ClassVar[str] = "simply_supported"
     on: On
@@ -109,6 +133,14 @@ class SoftSupported(SimplySupported):
 
     The theory does not tell the two apart (w = 0 along an edge holds its twist): both have the same solution. In a
     plate that shears they differ, which the shear entry of the error budget tells.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "top"
+    kind = "soft_supported"
+    ```
     """
 
     kind: ClassVar[str] = "soft_supported"
@@ -120,7 +152,16 @@ class SoftSupported(SimplySupported):
 
 @described("support symmetry")
 class Symmetry(Support):
-    """A plane of symmetry: no translation across it and no rotation about the edge."""
+    """A plane of symmetry: no translation across it and no rotation about the edge.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "middle"
+    kind = "symmetry"
+    ```
+    """
 
     kind: ClassVar[str] = "symmetry"
     dimensions: ClassVar[tuple[int, ...]] = (1,)
@@ -130,7 +171,16 @@ class Symmetry(Support):
 
 @described("support free")
 class Free(Support):
-    """Nothing is held: only says so."""
+    """Nothing is held: only says so.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "right"
+    kind = "free"
+    ```
+    """
 
     kind: ClassVar[str] = "free"
     on: On
@@ -139,7 +189,16 @@ class Free(Support):
 
 @described("support hinge")
 class Hinge(Support):
-    """A hinge line of a shell: the sheets that meet there turn freely about it, nothing else is released."""
+    """A hinge line of a shell: the sheets that meet there turn freely about it, nothing else is released.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "seam"
+    kind = "hinge"
+    ```
+    """
 
     kind: ClassVar[str] = "hinge"
     dimensions: ClassVar[tuple[int, ...]] = (1,)
@@ -152,12 +211,29 @@ class RigidLink(Support):
     """Ties curves or surfaces of a shell to a point: all move as one rigid body, of small turns.
 
     Point forces and moments, `Clamped` and `Fixed` may be on its name: they act on the point.
+
+    Attributes
+    ----------
+    to : (x, y, z) [length]
+        The point.
+    name : str
+        Of the point, for loads and supports on it.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "rim"
+    kind = "rigid_link"
+    to = [0, 0, 1]
+    name = "hub"
+    ```
     """
 
     kind: ClassVar[str] = "rigid_link"
     dimensions: ClassVar[tuple[int, ...]] = (1, 2)
     on: On
-    to: Annotated[Point, BeforeValidator(as_point)]
+    to: PlacePoint
     name: str = ""
     freedoms: str = field(default="", init=False, repr=False)
 
@@ -168,13 +244,29 @@ class Fixed(Support):
 
     `value` is a vector (x, y, z), or a scalar for z; a function may return either. `axes`, on shells, are three
     vectors at right angles that x, y and z of the letters then mean; `value` stays in global components.
+
+    Attributes
+    ----------
+    axes : (3, 3), optional [1]
+        Directions that x, y and z of the letters mean; the global ones if absent.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "left"
+    fix = "xzr"
+    value = [0, 0, "0.001*y"]
+    axes = [[1, 1, 0], [-1, 1, 0], [0, 0, 1]]
+    fixed = true
+    ```
     """
 
     kind: ClassVar[str] = "fixed"
     on: On
     freedoms: str = FREEDOMS
     value: ScalarOrVector | None = None
-    axes: Any = None
+    axes: Axes = None
     fixed: Flag = False
 
     def __post_init__(self) -> None:
@@ -191,13 +283,32 @@ class Elastic(Support):
 
     A rotation spring ("r") has stiffness moment per radian and length; "n" is along the normal of the surface.
     `axes` are three vectors at right angles that x, y and z of the letters then mean.
+
+    Attributes
+    ----------
+    stiffness : scalar [force / length^3 on surfaces, force / length^2 on curves, force / length at points]
+        Of every freedom; rotation springs of curves have force, at points force * length.
+    freedoms : str
+        Letters of "xyzrn": translations, rotation about the edge, and the normal.
+    axes : (3, 3), optional [1]
+        Directions that x, y and z of the letters mean; the global ones if absent.
+
+    Examples
+    --------
+    ```toml
+    [[support]]
+    on = "ground"
+    stiffness = 5e7
+    freedoms = "xyz"
+    axes = [[1, 0, 1], [0, 1, 0], [-1, 0, 1]]
+    ```
     """
 
     kind: ClassVar[str] = "elastic"
     on: On
     stiffness: ScalarValue
     freedoms: str = "z"
-    axes: Any = None
+    axes: Axes = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "elastic", SPRINGS))

@@ -13,6 +13,7 @@ from kshell.material.given import Section
 from kshell.material.laminate import Layer
 from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
 from kshell.mesh.words import is_folder, shown
+from kshell.scene.blocks import Cut, Probe
 from kshell.scene.cases import Case, Combination
 from kshell.scene.contact import Contact, obstacle_from
 from kshell.scene.imperfection import Imperfection
@@ -232,7 +233,9 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
     )
     arguments["lines"] = _each(data.get("line", []), "line", source, line_from_dict)
     arguments["cuts"] = [
-        name for names in _each(data.get("cut", []), "cut", source, cut_from_dict) for name in names
+        name
+        for cut in _each(data.get("cut", []), "cut", source, lambda block: Cut(**block))
+        for name in cut.on
     ]
     if "initial" in data:
         with inside(f"{source}, [initial]", "initial velocity: "):
@@ -312,18 +315,6 @@ def imperfection_from_dict(data: dict[str, Any], folder: Path) -> Imperfection:
     return found if found.file is None else Imperfection(**{**data, "file": folder / found.file})
 
 
-def cut_from_dict(data: dict[str, Any]) -> list[str]:
-    """The groups of a cut."""
-    for key in data:
-        if key != "on":
-            raise InputError(unknown_key(key, ["on"]))
-    on = data.get("on")
-    names = [on] if isinstance(on, str) else on
-    if not isinstance(names, list) or not names or not all(isinstance(name, str) and name for name in names):
-        raise InputError(f"on = {shown(on)}: must be a group of curves, or a list of them")
-    return names
-
-
 def initial_from_dict(data: dict[str, Any]) -> InitialVelocity:
     """How a motion begins: its velocity, and where."""
     for key in data:
@@ -388,20 +379,10 @@ def _probes(blocks: Any, source: str) -> dict[str, Any]:
     probes: dict[str, Any] = {}
 
     def add(data: dict[str, Any]) -> None:
-        for key in data:
-            if key not in ("name", "at", "on"):
-                raise InputError(unknown_key(key, ["name", "at", "on"]))
-        missing = [key for key in ("name", "at") if key not in data]
-        if missing:
-            raise InputError(f"{missing[0]} is missing: a probe has a name and at = [x, y, z]")
-        if not isinstance(data["name"], str) or not data["name"]:
-            raise InputError(f"name = {shown(data['name'])}: must be text")
-        if data["name"] in probes:
-            raise InputError(f'the name "{data["name"]}" is taken by an earlier probe: give another')
-        try:
-            probes[data["name"]] = as_probe({key: data[key] for key in ("at", "on") if key in data})
-        except ValueError as error:
-            raise InputError(f"at = {shown(data['at'])}: {error}") from None
+        block = Probe(**data)
+        if block.name in probes:
+            raise InputError(f'the name "{block.name}" is taken by an earlier probe: give another')
+        probes[block.name] = as_probe({"at": block.at, "on": block.on})
 
     _each(blocks, "probe", source, add)
     return probes
@@ -412,7 +393,7 @@ def _each(blocks: Any, name: str, source: str, make: Callable[[dict[str, Any]], 
         raise InputError(f"{source}: write [[{name}]] with double brackets: there may be several")
     made = []
     for number, block in enumerate(blocks, start=1):
-        with inside(f"{source}, [[{name}]] {number}"):
+        with inside(f"{source}, [[{name}]] {number}", f"{name}: "):
             made.append(make(dict(_table(block))))
     return made
 
