@@ -8,13 +8,12 @@ and is graded toward corners whose exponents are known. Then: solve, estimate, s
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.analysis.first_mesh import order_of_moments, plate_start, shell_start
 from kshell.analysis.refined_mesh import refined, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
@@ -23,16 +22,12 @@ from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
 from kshell.error.assessment import ENERGY, PROBES, Assessment
 from kshell.error.bounds import PlatePair
-from kshell.error.geometry_share import CUBIC, turn_of_triangles
-from kshell.error.marking import doerfler, halvings
-from kshell.error.plates import assess_pair, vertex_at
-from kshell.error.premises import require_pair
+from kshell.error.marking import doerfler
+from kshell.error.plates import assess_pair
 from kshell.errors import InputError, Interrupted, SolveError
-from kshell.mesh.insert import with_vertices
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.refine import bisect, bisect_around, longest_first
-from kshell.mesh.words import count
-from kshell.plate.corners import corner_exponents
+from kshell.mesh.refine import bisect, cuttable, longest_first
+from kshell.mesh.words import count, place
 from kshell.plate.model import PlateModel
 from kshell.result.result import Result
 from kshell.shell.koiter.model import KoiterModel
@@ -43,13 +38,11 @@ Floats = NDArray[np.float64]
 
 SHARE_BOUNDS, SHARE_ESTIMATES, SHARE_FAR = 0.6, 0.7, 0.8  # of the sum of marks that is cut
 FAR, SHARE_WORST = 30.0, 0.5  # times the tolerance, from which the worst are cut twice
-COARSE = 5e-4  # tolerance from which equilibrated moments of order 3 are enough
 GROWTH = 2.5  # of unknowns, time and memory from one level to the next, to be expected
 MOST_LEVELS = 60
 STALLED = 0.8  # a level that leaves more of the half width than this, with half as many unknowns more, gains nothing
 GAINLESS = 3  # such levels in a row, after which refining ends
 BYTES = 30e3  # memory of a direct solve for each unknown, about
-TURN, LARGEST_TURN = 0.1, 0.4  # radians by which a triangle of the first mesh may turn
 
 
 @dataclass
@@ -63,6 +56,7 @@ class Level:
     half_width: float
     seconds: float
     answered: Answered | None = None
+    pair: PlatePair | None = None
 
 
 @dataclass
@@ -110,9 +104,9 @@ def analyse(model: Model, run: Run) -> Result:
     mesh = longest_first(model.structure.parameters)
     loop = Refinement(run, names, False, begin)
     if isinstance(model, PlateModel):
-        mesh, loop.pair = _plate_start(model, mesh, names, run)
+        mesh, loop.pair = plate_start(model, mesh, names, run)
     else:
-        mesh = _shell_start(run, mesh)
+        mesh = shell_start(run, mesh)
     if not shape_is_known(run.scene) and not loop.pair:
         loop.frozen = assess(model, first.state, first.result, 0).geometry or 0.0
         if isinstance(model, PlateModel):
@@ -144,58 +138,6 @@ def _is_auto_chart(model: Model, run: Run) -> bool:
     return model.kind == "shell" and model.element == "argyris" and run.options.element == "auto"
 
 
-def _plate_start(model: PlateModel, mesh: Mesh, names: Sequence[str], run: Run) -> tuple[Mesh, bool]:
-    """The first mesh of a plate, and whether guaranteed bounds can be had on it."""
-    problem = model.problem
-    if problem.domain.curves.curved.any() or mesh.midpoints is not None:
-        return mesh, False
-    try:
-        require_pair(problem, _order(run))
-    except InputError:
-        return mesh, False
-    probes = [model.structure.probes[name] for name in names]
-    single = [item.on for item in (*run.scene.supports, *run.scene.loads) if _is_place(item.on)]
-    places = np.array([_in_space(p, mesh) for p in (*probes, *single)]).reshape(-1, 3)
-    mesh, left = with_vertices(mesh, places)
-    pair = not any(number < len(probes) for number in left)
-    tolerance = float(run.options.tolerance)
-    exponents = corner_exponents(problem.mesh, problem.supports)
-    corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
-    for place, exponent in zip(corners, exponents.values(), strict=True):
-        mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), halvings(exponent, tolerance))
-    if pair:
-        near = max(int(np.log2(1.0 / tolerance) / 2.0) - 3, 0)
-        for place in places[: len(probes)]:
-            mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), near)
-    return mesh, pair
-
-
-def _order(run: Run) -> int:
-    """Of equilibrated moments."""
-    return 3 if float(run.options.tolerance) > COARSE else 4
-
-
-def _is_place(on: Any) -> bool:
-    return isinstance(on, tuple | list | np.ndarray) and len(on) in (2, 3) and not isinstance(on[0], str)
-
-
-def _in_space(place: Any, mesh: Mesh) -> Floats:
-    return np.array([*np.asarray(place, dtype=float)[:2], mesh.points[0, 2]])
-
-
-def _shell_start(run: Run, mesh: Mesh) -> Mesh:
-    """Triangles on a chart that turn by too much for its interpolants are cut beforehand."""
-    if run.scene.chart is None:
-        return mesh
-    limit = float(np.clip((0.3 * float(run.options.tolerance) / CUBIC) ** (1 / 3), TURN, LARGEST_TURN))
-    for _ in range(MOST_LEVELS):
-        turn = turn_of_triangles(run.on_mesh(mesh).structure.space)
-        if not (turn > limit).any():
-            break
-        mesh = bisect(mesh, np.flatnonzero(turn > limit)).mesh
-    return mesh
-
-
 def _refine(loop: Refinement, mesh: Mesh) -> None:
     """Levels until the tolerance is met, or a reason not to go on is found."""
     tolerance = float(loop.run.options.tolerance)
@@ -216,6 +158,8 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
                 raise
             loop.why_not = f"the next mesh could not be solved ({error or 'out of memory'})"
             return
+        if loop.levels:
+            loop.levels[-1].pair = None  # its factors are of no use any more
         loop.levels.append(level)
         loop.run.tell(
             f"level {len(loop.levels)}: {level.unknowns} unknowns, within {100 * level.half_width:.2g} % "
@@ -235,13 +179,13 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
 
 def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
     run = loop.run.on_mesh(mesh)
-    answered = None
+    answered = pair = None
     if loop.pair:
         from kshell.analysis.models import build_model
 
         model = build_model(run.structure, run.options)
         assert isinstance(model, PlateModel)
-        pair = PlatePair(model.problem, _order(run))
+        pair = PlatePair(model.problem, order_of_moments(run))
         found = assess_pair(pair, loop.names, _strain_energy(pair))
         unknowns = model.unknowns
     else:
@@ -253,7 +197,7 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         unknowns = result.unknowns
     wanted = loop.names or [ENERGY]
     half = max(found.relative(name) for name in wanted)
-    return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered)
+    return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered, pair)
 
 
 def _strain_energy(pair: PlatePair) -> float | None:
@@ -282,10 +226,29 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
             f"the shape of the mesh is known to {geometry:.1e} only, and refining adds nothing: give its geometry, or "
             "a chart"
         )
+    blocked = _blocked(loop, level)
+    if blocked:
+        return blocked
     if stalled >= GAINLESS:
-        return "further levels gain nothing: rounding, or a singularity that coordinates cannot resolve, sets the limit"
+        return "further levels gain nothing: rounding sets the limit"
     if len(loop.levels) >= MOST_LEVELS:
         return f"{MOST_LEVELS} levels were not enough"
+    return ""
+
+
+def _blocked(loop: Refinement, level: Level) -> str:
+    """Where triangles cannot be cut any more and leave more than the tolerance, in words; empty if nowhere."""
+    mesh, found = level.model.structure.parameters, level.assessment
+    smallest = ~cuttable(mesh)
+    for name in loop.names or [ENERGY]:
+        if smallest.any() and found.floor(name, smallest) > float(loop.run.options.tolerance):
+            worst = int(np.argmax(found.parts[name] * smallest))
+            at = place(mesh.points[mesh.triangles[worst]].mean(axis=0))
+            size = mesh.edge_lengths[mesh.triangle_edges[worst]].min()
+            return (
+                f"the triangles at {at} are as small as coordinates resolve there ({size:.0e}), and what they leave is "
+                "more"
+            )
     return ""
 
 
@@ -297,6 +260,7 @@ def _next(loop: Refinement, level: Level, tolerance: float) -> Mesh:
         own = found.marks[name]
         if found.relative(name) > tolerance and own.sum() > 0.0:
             marks += own / own.sum()
+    marks[~cuttable(level.model.structure.parameters)] = 0.0
     if loop.pair:
         return refined(loop.run.scene, level.model, doerfler(marks, SHARE_BOUNDS)).mesh
     far = level.half_width > FAR * tolerance
@@ -313,8 +277,11 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
     level = loop.levels[-1]
     run = level.run
     if level.answered is None:
-        level.model.prepare()
-        level.answered = answer_once(level.model, run)
+        assert level.pair is not None
+        solution, conforming = level.pair.conforming.solution, level.pair.conforming
+        d = conforming.full(conforming.unknowns)
+        solved = Solved(d, solution.name, solution.why, solution.iterations, solution)
+        level.answered = answer_once(level.model, run, solved)
     result = level.answered.result
     found = level.assessment
     if loop.pair:
@@ -324,7 +291,7 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
         level.half_width = max(found.relative(name) for name in wanted)
     found.document(result, run.options.quantity)
     if isinstance(level.answered.state, Solved):
-        account_for_shear(result, level.answered.model, level.answered.state, run.options)
+        account_for_shear(result, level.answered.model, level.answered.state, run.options, found.duals)
     error = result.error
     error["levels"] = [
         {"unknowns": each.unknowns, "half_width": _finite(each.half_width), "seconds": each.seconds}

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.shear import shear_share
 from kshell.result.result import Result
 from kshell.scene.options import SolveOptions
 
+Floats = NDArray[np.float64]
 
-def account_for_shear(result: Result, model: Model, solved: Solved, options: SolveOptions) -> None:
+
+def account_for_shear(
+    result: Result, model: Model, solved: Solved, options: SolveOptions, duals: Mapping[str, Floats]
+) -> None:
     """Fill in how much transverse shear would change a linear answer, and warn where that matters.
 
-    It matters beyond the tolerance, where there is one, and for plates as thick as one of 1/20 of its size.
+    ``duals`` of probes are those at hand. It matters beyond the tolerance, where there is one, and for plates as thick
+    as one of 1/20 of its size.
     """
     probe = next(iter(result.probes), None)
     if options.quantity is not None and options.quantity != "probes":
         probe = options.quantity if options.quantity in result.probes else None
-    found = shear_share(model, solved, result, probe)
+    found = shear_share(model, solved, result, probe, duals.get(probe) if probe else None)
     result.error["budget"]["shear"] = found.share
     if found.why_not:
         result.error["shear_why_not"] = found.why_not

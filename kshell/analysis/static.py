@@ -75,17 +75,16 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
         found.with_share((result.error["budget"]["algebra"] or 0.0) + (found.geometry or 0.0))
         found.document(result, run.options.quantity)
         if isinstance(answered.state, Solved):
-            account_for_shear(result, answered.model, answered.state, run.options)
+            account_for_shear(result, answered.model, answered.state, run.options, found.duals)
     result.solver["seconds"] = {**run.clock.seconds}
     return found
 
 
-def answer_once(model: Model, run: Run) -> Answered:
-    """The static answer on the mesh as it is; see `analyse`."""
+def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answered:
+    """The static answer on the mesh as it is; see `analyse`. Of a plate, ``solved`` where it is at hand."""
     options = run.options
     if not isinstance(model, FiniteModel):
-        return _linear_only(model, run)
-    solved: Solved | None = None
+        return _linear_only(model, run, solved)
     indicator: Indicator | None = None
     trace: Trace | None = None
     with run.clock.stage("solve"):
@@ -150,7 +149,7 @@ def _vector(u: NDArray[np.float64]) -> str:
     return "(" + ", ".join(f"{0.0 if abs(c) < 1e-9 * largest else c:.5g}" for c in u) + ")"
 
 
-def _linear_only(model: Model, run: Run) -> Answered:
+def _linear_only(model: Model, run: Run, solved: Solved | None) -> Answered:
     """The answer of a model without finite deformation, or of one that has it, where the deflection is not small.
 
     A clamped circular plate with an immovable edge deflects less by about 0.47 (w / t)^2 of w, a simply supported one
@@ -161,8 +160,9 @@ def _linear_only(model: Model, run: Run) -> Answered:
     much stiffer the plate gets, it is the user's to say, and the plate is warned of instead.
     """
     options = run.options
-    with run.clock.stage("solve"):
-        solved = model.solve(options.solver)
+    if solved is None:
+        with run.clock.stage("solve"):
+            solved = model.solve(options.solver)
     with run.clock.stage("recover"):
         plate = model.recover(solved)
     described(plate, model, run, [_LINEAR], _solver(solved), large=False)

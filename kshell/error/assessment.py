@@ -54,6 +54,10 @@ class Assessment:
     probes : dict of str to Interval
     marks : dict of str to (triangle,) array
         By quantity, "energy" or a probe: what each triangle adds to the square of its error, for refinement.
+    parts : dict of str to (triangle,) array
+        By quantity, what would be left of the half width at least if only these triangles stayed as they are.
+    duals : dict of str to (dof,) array
+        By probe, the dual solutions of plates, in physical degrees of freedom.
     geometry : float or None
         Relative error because the shape is approximated; None where it is not known.
     why_not : str
@@ -63,6 +67,8 @@ class Assessment:
     energy: Estimate | None = None
     probes: dict[str, Interval] = field(default_factory=dict)
     marks: dict[str, Floats] = field(default_factory=dict)
+    parts: dict[str, Floats] = field(default_factory=dict)
+    duals: dict[str, Floats] = field(default_factory=dict)
     geometry: float | None = None
     why_not: str = ""
 
@@ -81,6 +87,14 @@ class Assessment:
             return self.probes[quantity].relative
         assert self.energy is not None
         return _ratio(self.energy.half_width, abs(self.energy.value))
+
+    def floor(self, quantity: str, triangles: NDArray[np.bool_]) -> float:
+        """What would be left of `relative` at least if some triangles stayed as they are."""
+        left = float(self.parts[quantity][triangles].sum())
+        if quantity != ENERGY:
+            return _ratio(left, float(np.linalg.norm(self.probes[quantity].value)))
+        assert self.energy is not None
+        return _ratio(left, abs(self.energy.value))
 
     def kind(self, quantity: str) -> str:
         """ "guaranteed" or "estimated"."""

@@ -22,7 +22,7 @@ from kshell.plate.hhj.tables import edge_reference
 from kshell.plate.hhj.translate import places
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
-from kshell.solvers import prepare
+from kshell.solvers import Solution, prepare
 from kshell.solvers.dense import DENSE_UP_TO
 
 Floats = NDArray[np.float64]
@@ -59,6 +59,7 @@ class Conforming:
         bending = problem.bending.at(every, triangles.xy(xi))
         self._weighted = bending * (weights * triangles.area[:, None])[..., None, None]
         self._points, self._area_weights = xi, weights
+        self._name, self._why = "Cholesky (LAPACK)", "as few unknowns as these are solved densely"
         self._solve = self._factorise()
 
     def _factorise(self) -> Callable[[Floats], Floats]:
@@ -69,6 +70,7 @@ class Conforming:
             factor = cho_factor(problem.system.matrix)
             return lambda right: np.asarray(cho_solve(factor, right))
         prepared: Any = prepare(problem.assembled.matrix, None, "direct")
+        self._name, self._why = prepared.name, prepared.why
         return lambda right: np.asarray(prepared.apply(right))
 
     @cached_property
@@ -149,26 +151,36 @@ class Conforming:
 
     def solve(self, right: Floats) -> Floats:
         """Unknowns under a load on the unknowns, refined with residuals from strains."""
-        x = np.zeros_like(right)
+        return np.asarray(self._refined(right).x, dtype=np.float64)
+
+    def _refined(self, right: Floats) -> Solution:
+        x, residual = np.zeros_like(right), right
         sizes: list[float] = []
         for _ in range(STEPS):
-            residual = right - self.forces(self.reduction @ x)
-            if self._springs is not None:
-                residual -= self._springs @ x
             step = self._solve(residual)
             sizes.append(float(np.sqrt(abs(step @ residual))))
             x = x + step
             if sizes[0] == 0.0 or (len(sizes) > 1 and self._finished(sizes)):
                 break
-        return x
+            residual = right - self.forces(self.reduction @ x)
+            if self._springs is not None:
+                residual -= self._springs @ x
+        history = tuple(size / max(sizes[0], 1e-300) for size in sizes)
+        left = float(np.linalg.norm(residual) / max(float(np.linalg.norm(right)), 1e-300))
+        return Solution(x, self._name, self._why, len(sizes) - 1, history, history[-1], left)
 
     @staticmethod
     def _finished(sizes: list[float]) -> bool:
         rate = sizes[-1] / max(sizes[-2], 1e-300)
         return rate > 0.3 or sizes[-1] * rate < ROUNDING * sizes[0]
 
-    @cached_property
+    @property
     def unknowns(self) -> Floats:
         """The solution of the problem itself."""
+        return np.asarray(self.solution.x, dtype=np.float64)
+
+    @cached_property
+    def solution(self) -> Solution:
+        """The same with how it was found; its errors are those before the last step."""
         a = self.problem.system
-        return self.solve(np.asarray(a.load + a.fixed_load))
+        return self._refined(np.asarray(a.load + a.fixed_load))

@@ -114,6 +114,10 @@ class Difference:
             out += float((part.weights * part.conforming**2).sum())
         return 0.5 * out
 
+    def bent(self) -> Floats:
+        """(T,) energy product of the conforming deflection with itself, by triangle, springs apart."""
+        return np.asarray((self.weights * (self.stress * self.curvature).sum(axis=2)).sum(axis=1))
+
     @property
     def cancelled(self) -> float:
         """Energy of the curvatures that rounding the slopes of w would make, times the curvatures, over eps."""

@@ -41,13 +41,16 @@ def assess_residual(
     out = Assessment(why_not=WHY_NOT)
     out.energy = energy_interval(result.strain_energy, float(np.sqrt(own.sum())), at_rest, WHY_NOT)
     out.marks[ENERGY] = own
+    out.parts[ENERGY] = 0.25 * own
     reduction = problem.reduction.matrix()
     for name in list(names)[:duals]:
         row, triangle, at_vertex = deflection_row(problem, np.array(problem.structure.probes[name])[:2])
         z = reduction @ model.respond(np.asarray(reduction.T @ row))
         inner = [] if at_vertex else [np.array([triangle])]
         dual = residual.local(np.asarray(z), [], Loads(), inner)
-        half = float(np.sqrt(own * dual).sum())
+        out.duals[name] = np.asarray(z)
+        out.parts[name] = np.sqrt(own * dual)
+        half = float(out.parts[name].sum())
         out.probes[name] = _along_z(result.probes[name]["u"], half, LIKELY * half, "estimated")
         out.marks[name] = goal_marks(own, dual)
     out.geometry = geometry_share(problem.domain)
@@ -76,6 +79,7 @@ def assess_pair(pair: PlatePair, names: Sequence[str], strain_energy: float | No
         out.energy = Estimate(found.value, found.half_width, found.expected, kind, pair.why_not)
     primal = pair.primal
     out.marks[ENERGY] = primal.local
+    out.parts[ENERGY] = 0.25 * primal.local
     for name in names:
         goal = Goal.at_vertex(vertex_at(problem.mesh, np.array(problem.structure.probes[name])))
         dual = pair.dual(goal)
@@ -83,6 +87,8 @@ def assess_pair(pair: PlatePair, names: Sequence[str], strain_energy: float | No
         value = np.array([0.0, 0.0, found.value])
         out.probes[name] = _along_z(value, found.half_width, found.expected, found.kind)
         out.marks[name] = goal_marks(primal.local, dual.local)
+        out.parts[name] = 0.5 * np.sqrt(np.abs(primal.local * dual.local))
+        out.duals[name] = pair.conforming.full(dual.q, prescribed=False)
     out.geometry = 0.0
     return out
 

@@ -26,8 +26,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements import matrices
 from kshell.equilibrium.model import Model, Solved
+from kshell.error.plates import deflection_row
 from kshell.mesh.words import place
 from kshell.plate.corners import corner_angles
 from kshell.plate.loading import PointLoad
@@ -89,8 +89,13 @@ class ShearShare:
         )
 
 
-def shear_share(model: Model, solved: Solved, result: Result, probe: str | None) -> ShearShare:
-    """How much transverse shear would change the deflection of a probe, or the strain energy, of a linear answer."""
+def shear_share(
+    model: Model, solved: Solved, result: Result, probe: str | None, dual: Floats | None = None
+) -> ShearShare:
+    """How much transverse shear would change the deflection of a probe, or the strain energy, of a linear answer.
+
+    ``dual`` (dof,) of the probe where it is at hand.
+    """
     if not isinstance(model, PlateModel) or model.element != "argyris":
         return ShearShare(
             why_not=f"shear forces of a {model.kind} with the element {model.element} are not taken"
@@ -104,16 +109,16 @@ def shear_share(model: Model, solved: Solved, result: Result, probe: str | None)
     energy = _products(problem, own, own, None) / (2.0 * result.strain_energy)
     if probe is None:
         return ShearShare(energy, energy)
-    at = problem.structure.probes[probe]
-    row, xy = _deflection(problem, np.array(at)[:2])
-    d = np.asarray(solved.x)
-    w = float(row @ d)
+    at = np.array(problem.structure.probes[probe])
+    w = float(np.asarray(result.probes[probe]["u"])[2])
     if not abs(w) > 1e-9 * np.abs(own.vertex_displacement).max():
-        return ShearShare(None, energy, f"the deflection at {place(np.array(at))} is zero")
-    reduction = problem.reduction.matrix()
-    z = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ row)))
-    dual = Fields(problem.domain, problem.layout, problem.bending, problem.section, Loads(), z)
-    return ShearShare(abs(_products(problem, own, dual, xy) / w), energy)
+        return ShearShare(None, energy, f"the deflection at {place(at)} is zero")
+    if dual is None:
+        row, _, _ = deflection_row(problem, at[:2])
+        reduction = problem.reduction.matrix()
+        dual = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ row)))
+    other = Fields(problem.domain, problem.layout, problem.bending, problem.section, Loads(), dual)
+    return ShearShare(abs(_products(problem, own, other, at[:2]) / w), energy)
 
 
 def _products(problem: PlateProblem, own: Fields, other: Fields, near: Floats | None) -> float:
@@ -188,13 +193,3 @@ def _singular(problem: PlateProblem, near: Floats | None) -> Floats:
     if near is not None:
         places.append(near[None])
     return np.concatenate(places)
-
-
-def _deflection(problem: PlateProblem, xy: Floats) -> tuple[Floats, Floats]:
-    """(dof,) the row of w at the point of the plate nearest to a place (2,), and that point."""
-    found = problem.fields(np.zeros(problem.layout.count)).locator.find(xy[None])
-    affine = problem.domain.affine(found.triangles)
-    row = matrices.rows(problem.element, affine, found.xi, 0, problem.element.transformation(affine))
-    out = np.zeros(problem.layout.count)
-    np.add.at(out, problem.layout.triangle_dofs(found.triangles)[0], row.reshape(-1))
-    return out, found.xy[0]

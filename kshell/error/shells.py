@@ -92,6 +92,7 @@ def _assess(
     half = 0.5 * safety * total
     out.energy = Estimate(result.strain_energy, half, half / (2.0 * safety), "estimated", WHY_NOT)
     out.marks[ENERGY] = own
+    out.parts[ENERGY] = 0.5 * safety * own
     left, names = duals
     for name in names:
         rows = [basis.T @ model.probe_row(name, letter) for letter in "xyz"]
@@ -108,7 +109,7 @@ def _assess(
             mark += both
         value = np.asarray(result.probes[name]["u"], dtype=float)
         out.probes[name] = Interval(value, width, width / (2.0 * safety), "estimated")
-        out.marks[name] = mark
+        out.marks[name], out.parts[name] = mark, safety * mark
     out.geometry = geometry_share(model, strain)
     return out
 

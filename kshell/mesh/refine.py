@@ -30,6 +30,8 @@ NODES = np.concatenate([CORNERS, MIDDLES])
 WHOLE, FIRST_HALF, SECOND_HALF = ((0, 1, 2),), ((2, 0, 3),), ((1, 2, 3),)
 FIRST_QUARTERS, SECOND_QUARTERS = ((3, 2, 5), (0, 3, 5)), ((3, 1, 4), (2, 3, 4))
 ALIKE = 1e-9  # relative difference of lengths that is none: regular meshes are cut regularly
+# spacings of the coordinates that an edge is to be long at least: vertices on a slanted line are off it by one of them
+FINEST = 128.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +96,26 @@ def bisect(
 
 
 def bisect_around(mesh: Mesh, vertices: NDArray[np.integer], times: int) -> Mesh:
-    """The triangles at some vertices cut again and again: a mesh graded toward them."""
+    """The triangles at some vertices cut again and again, as long as coordinates resolve them: a graded mesh."""
     for _ in range(times):
-        mesh = bisect(mesh, np.flatnonzero(np.isin(mesh.triangles, vertices).any(axis=1))).mesh
+        chosen = np.flatnonzero(np.isin(mesh.triangles, vertices).any(axis=1))
+        if not cuttable(mesh)[chosen].all():
+            break
+        mesh = bisect(mesh, chosen).mesh
     return mesh
+
+
+def spacing(mesh: Mesh) -> Floats:
+    """(triangle,) distance of neighbouring floating-point numbers as large as the coordinates of a triangle."""
+    varies = np.ptp(mesh.points, axis=0) > 0.0
+    largest = np.abs(mesh.points[:, varies]).max(axis=1, initial=0.0)[mesh.triangles].max(axis=1)
+    return np.spacing(largest).astype(np.float64)
+
+
+def cuttable(mesh: Mesh) -> NDArray[np.bool_]:
+    """(triangle,) whether the halves of its edges are much longer than the spacing of the coordinates."""
+    shortest = mesh.edge_lengths[mesh.triangle_edges].min(axis=1)
+    return np.asarray(shortest >= 2.0 * FINEST * spacing(mesh), dtype=bool)
 
 
 def _children(cut: NDArray[np.bool_]) -> tuple[Ints, Ints]:

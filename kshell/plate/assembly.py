@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.plate.domain import BLOCK, Domain
-from kshell.plate.forms import Form
+from kshell.plate.forms import Bending, Form
 from kshell.plate.loading import LinearForm
 from kshell.plate.pattern import FullPattern, Pattern
+from kshell.plate.planes import less_planes
 from kshell.plate.reduction import Reduction
 
 Floats = NDArray[np.float64]
@@ -141,7 +142,7 @@ def residual(
     d: Floats,
     where: Ints,
 ) -> Floats:
-    """K d - f on all (physical) degrees of freedom, summed over some triangles only.
+    """K d - f on all (physical) degrees of freedom, summed over some triangles only; bending through strains.
 
     Parameters
     ----------
@@ -158,7 +159,8 @@ def residual(
         for positions, triangles in _chunks(form, wanted):
             transform = layout.element.transformation(domain.affine(triangles))
             dofs = layout.triangle_dofs(triangles)
-            np.add.at(out, dofs, form.products(positions, transform, transform @ d[dofs][:, :, None]))
+            local = less_planes(domain, layout, triangles, d) if isinstance(form, Bending) else d[dofs]
+            np.add.at(out, dofs, form.products(positions, transform, transform @ local[:, :, None]))
     for load in loads:
         for positions, triangles in _chunks(load, wanted):
             transform = layout.element.transformation(domain.affine(triangles))

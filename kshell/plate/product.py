@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from kshell.plate.assembly import assemble
 from kshell.plate.pattern import Pattern
+from kshell.plate.planes import less_planes
 from kshell.plate.problem import PlateProblem
 
 Floats = NDArray[np.floating[Any]]
@@ -27,29 +28,19 @@ def strain_product(problem: PlateProblem) -> Callable[[Floats], Floats]:
 
     One product takes about as long as the assembly.
     """
-    mesh, layout, domain = problem.mesh, problem.layout, problem.domain
-    space = problem.space
-    reduction = space.reduction.tocsr()
+    layout, domain = problem.layout, problem.domain
+    reduction = problem.space.reduction.tocsr()
     springs = [form for form in problem.forms if form is not problem.bending]
     elastic = None
     if springs:
         elastic = assemble(springs, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
-    step = layout.per_vertex
-    points = domain.points
 
     def product(q: Floats) -> Floats:
         d = reduction @ q
         out = np.zeros(layout.count)
         for block in domain.blocks():
             dofs = layout.triangle_dofs(block)
-            local = d[dofs]
-            slope = plane_slopes(points[mesh.triangles[block]], local[:, : 3 * step : step])
-            local[:, : 3 * step : step] = 0.0
-            if step > 1:
-                for k in range(3):
-                    local[:, k * step + 1 : k * step + 3] -= slope
-            normals = space.edge_normals[mesh.triangle_edges[block]]  # (triangle, edge, xy)
-            local[:, 3 * step :] -= np.sum(normals * slope[:, None], axis=2)
+            local = less_planes(domain, layout, block, d)
             transform = layout.element.transformation(domain.affine(block))
             force = problem.bending.matrices(block, transform) @ local[:, :, None]
             out += np.bincount(dofs.ravel(), force.ravel(), layout.count)
@@ -57,11 +48,3 @@ def strain_product(problem: PlateProblem) -> Callable[[Floats], Floats]:
         return result if elastic is None else result + elastic @ q
 
     return product
-
-
-def plane_slopes(corners: Floats, values: Floats) -> Floats:
-    """Gradients (n, xy) of the planes through values (n, 3) at corners (n, 3, xy)."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    u, v = values[:, 1] - values[:, 0], values[:, 2] - values[:, 0]
-    twice_area = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-    return np.stack([u * b[:, 1] - v * a[:, 1], v * a[:, 0] - u * b[:, 0]], axis=1) / twice_area[:, None]

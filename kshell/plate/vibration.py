@@ -11,8 +11,8 @@ from kshell.mesh.words import place
 from kshell.plate.assembly import assemble, residual
 from kshell.plate.inertia import Mass
 from kshell.plate.pattern import Pattern
+from kshell.plate.planes import plane_slopes
 from kshell.plate.problem import PlateProblem
-from kshell.plate.product import plane_slopes
 from kshell.plate.rigid import pieces, rigid_of_triangles
 
 Floats = NDArray[np.float64]

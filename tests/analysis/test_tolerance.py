@@ -18,6 +18,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
 from kshell.plate.corners import corner_exponents
 from tests.error.test_estimates import roof
+from tests.error.test_bounds import rhombus
 from tests.plate.hhj_cases import MATERIAL, l_shape, problem, square
 from tests.plate.plates import disk
 
@@ -26,6 +27,10 @@ L_ENERGY = (
     3.578570071565e-3 / 2,
     3.578570071591e-3 / 2,
 )  # clamped, (-1, 1)^2 less a quadrant, under unit pressure
+
+# rhombus of side 1 and 30 degrees, supported: U = int v^2 / 2 with - lap v = 1, v = 0 on the edge, by corner functions
+# r^(6k/5) at both obtuse corners and harmonic polynomials; by the maximum principle v is known to 1.4e-14
+RHOMBUS_ENERGY = 3.523752355598e-5
 
 
 def plate(mesh: Mesh, support: ks.scene.supports.Support, **probes: tuple[float, float, float]) -> ks.Scene:
@@ -61,6 +66,38 @@ def test_energy_of_the_clamped_l_is_guaranteed_and_optimal() -> None:
         found.append((result.unknowns, error["estimate"]))
     rate = np.log(found[1][1] / found[0][1]) / np.log(found[1][0] / found[0][0])
     assert rate < -3.0
+
+
+def supported_rhombus(shift: float) -> ks.Scene:
+    mesh = rhombus(2)
+    return plate(
+        dataclasses.replace(mesh, points=mesh.points + np.array([shift, shift, 0.0])),
+        ks.SimplySupported("edge"),
+    )
+
+
+@pytest.mark.full
+def test_energy_of_the_supported_rhombus_to_one_in_a_million() -> None:
+    """Moments like r^(-4/5): triangles of 3e-14 next to the corners, and yet a proof."""
+    result = ks.solve(supported_rhombus(0.0), tolerance=1e-6)
+    error = result.error
+    assert error["energy"]["kind"] == "guaranteed"
+    assert error["energy"]["lower"] <= RHOMBUS_ENERGY <= error["energy"]["upper"]
+    assert error["estimate"] <= 1e-6
+    assert error["energy"]["lower"] <= result.strain_energy <= error["energy"]["upper"]
+    assert result.mesh.edge_lengths.min() < 1e-13
+
+
+@pytest.mark.parametrize("shift", [1e3, 1e5])
+def test_corners_far_from_the_origin_are_resolved_as_far_as_coordinates_can(shift: float) -> None:
+    with pytest.warns(ks.KshellWarning, match="not reached"):
+        result = ks.solve(supported_rhombus(shift), tolerance=1e-7)
+    error = result.error
+    assert error["energy"]["kind"] == "guaranteed"
+    assert error["energy"]["lower"] <= RHOMBUS_ENERGY <= error["energy"]["upper"]
+    assert 1e-6 < error["estimate"] < 1e-4 * shift**0.2
+    assert "coordinates resolve" in error["why_not"]
+    assert result.balance < 1e-5
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, "0.1%", 1e-6])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from kshell import geometry
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.refine import bisect, bisect_around, longest_first
+from kshell.mesh.refine import FINEST, bisect, bisect_around, cuttable, longest_first
 
 
 def l_shape() -> Mesh:
@@ -108,3 +110,17 @@ def test_middles_may_be_given() -> None:
     middles[mesh.groups["right"].members, 0] += 0.1
     fine = bisect(mesh, np.arange(len(mesh.triangles)), middles).mesh
     assert fine.points[:, 0].max() == pytest.approx(1.1)
+
+
+def test_refinement_ends_where_coordinates_end():
+    """Triangles far from the origin are left 128 spacings large; their height above the plane counts for nothing."""
+    unit = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    square = longest_first(Mesh.from_arrays(unit, [(0, 1, 2), (0, 2, 3)]))
+    for shift, lift in ((0.0, 0.0), (1e6, 0.0), (0.0, 1e9)):
+        mesh = dataclasses.replace(square, points=square.points + np.array([shift, 0.0, lift]))
+        assert cuttable(mesh).all()
+        found = bisect_around(mesh, np.array([1]), 60)
+        shortest = found.edge_lengths.min() / np.spacing(1.0 + shift)
+        assert FINEST <= shortest <= 4 * FINEST
+        assert found.areas.min() > 0.0
+        assert not cuttable(found).all()

@@ -1,0 +1,79 @@
+"""The first mesh of a refinement: vertices where a scene has places, graded toward corners that are known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.analysis.run import Run
+from kshell.error.geometry_share import CUBIC, turn_of_triangles
+from kshell.error.marking import halvings
+from kshell.error.plates import vertex_at
+from kshell.error.premises import require_pair
+from kshell.errors import InputError
+from kshell.mesh.insert import with_vertices
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.refine import bisect, bisect_around
+from kshell.plate.corners import corner_exponents
+from kshell.plate.model import PlateModel
+
+Floats = NDArray[np.float64]
+
+COARSE = 5e-4  # tolerance from which equilibrated moments of order 3 are enough
+TURN, LARGEST_TURN = 0.1, 0.4  # radians by which a triangle of the first mesh may turn
+MOST_CUTS = 60
+
+
+def plate_start(model: PlateModel, mesh: Mesh, names: Sequence[str], run: Run) -> tuple[Mesh, bool]:
+    """The first mesh of a plate, and whether guaranteed bounds can be had on it."""
+    problem = model.problem
+    if problem.domain.curves.curved.any() or mesh.midpoints is not None:
+        return mesh, False
+    try:
+        require_pair(problem, order_of_moments(run))
+    except InputError:
+        return mesh, False
+    probes = [model.structure.probes[name] for name in names]
+    single = [item.on for item in (*run.scene.supports, *run.scene.loads) if _is_place(item.on)]
+    places = np.array([_in_space(p, mesh) for p in (*probes, *single)]).reshape(-1, 3)
+    mesh, left = with_vertices(mesh, places)
+    pair = not any(number < len(probes) for number in left)
+    tolerance = float(run.options.tolerance)
+    exponents = corner_exponents(problem.mesh, problem.supports)
+    corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
+    for place, exponent in zip(corners, exponents.values(), strict=True):
+        mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), halvings(exponent, tolerance))
+    if pair:
+        near = max(int(np.log2(1.0 / tolerance) / 2.0) - 3, 0)
+        for place in places[: len(probes)]:
+            mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), near)
+    return mesh, pair
+
+
+def order_of_moments(run: Run) -> int:
+    """Polynomial order of equilibrated moments that a tolerance needs."""
+    return 3 if float(run.options.tolerance) > COARSE else 4
+
+
+def _is_place(on: Any) -> bool:
+    return isinstance(on, tuple | list | np.ndarray) and len(on) in (2, 3) and not isinstance(on[0], str)
+
+
+def _in_space(place: Any, mesh: Mesh) -> Floats:
+    return np.array([*np.asarray(place, dtype=float)[:2], mesh.points[0, 2]])
+
+
+def shell_start(run: Run, mesh: Mesh) -> Mesh:
+    """Triangles on a chart that turn by too much for its interpolants are cut beforehand."""
+    if run.scene.chart is None:
+        return mesh
+    limit = float(np.clip((0.3 * float(run.options.tolerance) / CUBIC) ** (1 / 3), TURN, LARGEST_TURN))
+    for _ in range(MOST_CUTS):
+        turn = turn_of_triangles(run.on_mesh(mesh).structure.space)
+        if not (turn > limit).any():
+            break
+        mesh = bisect(mesh, np.flatnonzero(turn > limit)).mesh
+    return mesh
