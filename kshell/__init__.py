@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         Temperature,
         Traction,
     )
+    from kshell.scene.masses import Mass
     from kshell.scene.motion import Damping, InitialVelocity
     from kshell.scene.scene import Scene
     from kshell.scene.supports import (
@@ -76,6 +77,7 @@ __all__ = [
     "Layer",
     "Line",
     "LineForce",
+    "Mass",
     "Mesh",
     "Obstacle",
     "Orthotropic",
@@ -155,6 +157,7 @@ _LAZY = {
     "buckling": "kshell.analysis.solve",
     "converge": "kshell.analysis.converge",
     "sweep": "kshell.analysis.sweep",
+    "Mass": "kshell.scene.masses",
     "mac": "kshell.result.mac",
 }
 

@@ -169,6 +169,8 @@ def plate_intervals(plate: Plate, run: Run, count: int) -> tuple[Known, Plate]:
         As the models.
     """
     lacking = premises(plate.model)
+    if plate.model.structure.masses:
+        lacking.append("masses are added")
     tolerance = run.options.tolerance
     if plate.found.first != 0 or lacking or tolerance is None:
         return _rough(plate, run, lacking), plate

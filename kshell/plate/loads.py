@@ -33,6 +33,7 @@ from kshell.scene.loads import (
     Traction,
 )
 from kshell.scene.structure import Placed
+from kshell.scene.weights import weights
 from kshell.values.degree import polynomial_degree
 from kshell.values.varying import is_constant
 
@@ -84,16 +85,26 @@ class Loads:
 
 
 def apply_loads(
-    loads: Iterable[Placed[Load]], domain: Domain, layout: Layout, bending: Bending, section: Section
+    loads: Iterable[Placed[Load]],
+    domain: Domain,
+    layout: Layout,
+    bending: Bending,
+    section: Section,
+    masses: Sequence[Placed[Any]] = (),
 ) -> Loads:
     """Translate the loads of a structure.
+
+    Parameters
+    ----------
+    masses : sequence of Placed
+        Added ones, which gravity acts on as well.
 
     Raises
     ------
     InputError
         For loads in the plane, which a plate in bending cannot answer, and those it does not have.
     """
-    builder = _Builder(domain, layout, bending, section)
+    builder = _Builder(domain, layout, bending, section, masses)
     for number, placed in enumerate(loads):
         before = len(builder.out.forms)
         HANDLERS.handle(builder, placed, builder.out.warnings)
@@ -102,7 +113,15 @@ def apply_loads(
 
 
 class _Builder:
-    def __init__(self, domain: Domain, layout: Layout, bending: Bending, section: Section) -> None:
+    def __init__(
+        self,
+        domain: Domain,
+        layout: Layout,
+        bending: Bending,
+        section: Section,
+        masses: Sequence[Placed[Any]],
+    ) -> None:
+        self.masses = masses
         self.domain, self.layout, self.bending, self.section = domain, layout, bending, section
         self.element = layout.element
         self.out = Loads()
@@ -155,12 +174,14 @@ class _Builder:
     def _gravity(self, load: Any, placed: Placed[Any]) -> None:
         def weight(triangles: Ints, xy: Floats) -> Floats:
             mass = self.section.mass(triangles, points_3d(self.domain, xy))
-            if not mass.min(initial=np.inf) > 0.0:
+            if not (mass.min(initial=np.inf) > 0.0 or self.masses):
                 raise InputError(f"{load}: the material has no density: give it, in mass per volume")
             return mass * self._across(load, xy)
 
         even = self.section.constant_per_triangle
         self._area(placed, weight, polynomial_degree(load.value) if even else None)
+        for added in weights(self.masses, placed, self.domain.mesh):
+            HANDLERS.handle(self, added, self.out.warnings)
 
     @HANDLERS.of(LineForce)
     def _line_force(self, load: Any, placed: Placed[Any]) -> None:

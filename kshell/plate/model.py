@@ -16,7 +16,6 @@ from kshell.errors import InputError, SolveError
 from kshell.plate import vibration
 from kshell.plate.answer import motion_at, motion_fields, recover
 from kshell.plate.assembly import assemble, assemble_load
-from kshell.plate.inertia import Mass
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import ELEMENTS, PlateProblem
 from kshell.plate.product import strain_product
@@ -93,8 +92,8 @@ class PlateModel(Model):
 
     def mass(self) -> sp.csr_matrix:
         problem = self.problem
-        form = Mass(problem.domain, problem.element, problem.section)
-        found = assemble([form], [], problem.domain, problem.reduction, Pattern(problem.reduction)).matrix
+        pattern = Pattern(problem.reduction)
+        found = assemble(problem.inertia, [], problem.domain, problem.reduction, pattern).matrix
         if not found.diagonal().any():
             raise InputError(NO_DENSITY)
         return found

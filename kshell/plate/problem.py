@@ -6,6 +6,7 @@ import copy
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from kshell.plate.corners import singular_corners
 from kshell.plate.domain import Domain
 from kshell.plate.fans import make_fans
 from kshell.plate.forms import Bending, Form
+from kshell.plate.inertia import Mass
 from kshell.plate.layout import Layout
 from kshell.plate.loading import LOAD_DEGREE
 from kshell.plate.loads import Loads, apply_loads
@@ -30,7 +32,8 @@ from kshell.plate.rigid import require_held
 from kshell.plate.space import plate_space
 from kshell.plate.supports import Supports, apply_supports
 from kshell.scene.lines import inner_lines
-from kshell.scene.structure import Structure
+from kshell.scene.structure import Placed, Structure
+from kshell.scene.supports import Elastic
 from kshell.solvers import PlateSpace
 from kshell.solvers.dense import DENSE_UP_TO
 
@@ -73,7 +76,9 @@ class PlateProblem:
         self.layout = Layout(self.mesh, element, fans, self.domain.bent)
         self.bending = Bending(self.domain, element, self.section)
         self.supports: Supports = apply_supports(structure.supports, self.domain, self.layout, self.bending)
-        self.loads: Loads = apply_loads(structure.loads, self.domain, self.layout, self.bending, self.section)
+        self.loads: Loads = apply_loads(
+            structure.loads, self.domain, self.layout, self.bending, self.section, structure.masses
+        )
         springs = [form for _, form in self.supports.springs]
         if not structure.movable:
             require_held(self.domain, self.layout, self.supports.conditions, springs)
@@ -81,6 +86,17 @@ class PlateProblem:
         self.reduction = Reduction(self.layout, self.supports.conditions, shared)
         holds = [form for _, form in self.supports.holds]
         self.forms: list[Form] = [self.bending, *springs, *holds, *self.supports.ties]
+
+    @cached_property
+    def inertia(self) -> list[Form]:
+        """Forms of the mass: that of the material, and added ones."""
+        # a mass is to the velocity what a spring is to the motion
+        springs: list[Placed[Any]] = [
+            Placed(Elastic(placed.item.on, placed.item.value, "z"), placed.place)
+            for placed in self.structure.masses
+        ]
+        added = apply_supports(springs, self.domain, self.layout, self.bending).springs if springs else []
+        return [Mass(self.domain, self.element, self.section), *(form for _, form in added)]
 
     @property
     def small(self) -> bool:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from kshell.equilibrium.rigid_modes import Participation, RigidModes, RigidPart, rigid_modes
 from kshell.mesh.words import place
 from kshell.plate.assembly import assemble, residual
-from kshell.plate.inertia import Mass
 from kshell.plate.pattern import Pattern
 from kshell.plate.planes import plane_slopes
 from kshell.plate.problem import PlateProblem
@@ -37,12 +36,21 @@ class Weights:
             parts = np.stack([np.ones_like(x), x, y, x * x, y * y, x * y])
             here = (parts * patch.weights * density).sum(axis=2).T
             np.add.at(moments, self.piece[patch.triangles], here)
+        added = problem.inertia[1:]  # beside that of the material
+        for piece in range(self.count) if added else ():
+            inside = np.flatnonzero(self.piece == piece)
+            d = rigid_motions(problem, np.zeros(3), inside)  # 1, y, -x
+            every = np.arange(len(problem.mesh.triangles))
+            moving = [residual(added, [], problem.domain, problem.reduction, column, every) for column in d.T]
+            one, y, x = d.T @ np.stack(moving, axis=1)
+            moments[piece] += [one[0], -one[2], one[1], x[2], y[1], -y[2]]
         self.moments, self.z = moments, z
+        self.middle = problem.mesh.points.mean(axis=0)
 
     def centre(self, piece: int | None = None) -> Floats:
-        """(3,) of mass, of a piece or the whole."""
+        """(3,) of mass, of a piece or the whole; some point where there is no mass."""
         m = self.moments.sum(axis=0) if piece is None else self.moments[piece]
-        return np.array([m[1] / m[0], m[2] / m[0], self.z])
+        return np.array([m[1] / m[0], m[2] / m[0], self.z]) if m[0] > 0.0 else self.middle
 
     def total(self) -> Floats:
         """(6,) mass along x, y, z, moments of inertia about x, y, z through the centre."""
@@ -87,9 +95,9 @@ def participation(problem: PlateProblem, vectors: Floats) -> Participation:
     weights = Weights(problem)
     every = np.arange(len(problem.mesh.triangles))
     motions = rigid_motions(problem, weights.centre(), every)
-    form = Mass(problem.domain, problem.element, problem.section)
     moving = np.stack(
-        [residual([form], [], problem.domain, problem.reduction, d, every) for d in motions.T], axis=1
+        [residual(problem.inertia, [], problem.domain, problem.reduction, d, every) for d in motions.T],
+        axis=1,
     )
     factors = np.zeros((vectors.shape[1], 6))
     factors[:, 2:5] = vectors.T @ (problem.reduction.matrix().T @ moving)

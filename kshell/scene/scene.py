@@ -25,6 +25,7 @@ from kshell.scene.contact import Contact, contact, obstacles
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import Load
+from kshell.scene.masses import Mass
 from kshell.scene.motion import damping, initial_velocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point, as_probe
@@ -141,6 +142,8 @@ class Scene:
         Loads that act together; without any, all loads do. Prescribed motion is part of every case.
     combinations : sequence of Combination
         Cases added up with factors.
+    masses : sequence of Mass
+        Beside those of the material, without stiffness.
     cuts : str or sequence of str
         Groups of curves along which the mesh is cut open.
     lines : sequence of Line
@@ -214,6 +217,7 @@ class Scene:
     combinations: Any = ()
     lines: Any = ()
     cuts: Annotated[Any, BeforeValidator(_cuts)] = ()
+    masses: Any = ()
     initial_velocity: Any = None
     damping: Any = None
     contact: Any = None
@@ -229,6 +233,7 @@ class Scene:
             ("cases", Case, "a ks.Case(...)"),
             ("combinations", Combination, "a ks.Combination(...)"),
             ("lines", Line, "a ks.Line(...)"),
+            ("masses", Mass, "a ks.Mass(...)"),
         ):
             object.__setattr__(self, key, _all_of(getattr(self, key), cls, key, words))
         if isinstance(self.imperfection, Mapping):
@@ -261,7 +266,7 @@ class Scene:
             )
 
     def __repr__(self) -> str:
-        parts = ["supports", "loads", "probes", "cases"]
+        parts = ["supports", "loads", "masses", "probes", "cases"]
         counts = ", ".join(f"{len(getattr(self, part))} {part}" for part in parts if getattr(self, part))
         return f'<Scene "{self.title}": mesh {self.mesh_name}{", " if counts else ""}{counts}>'
 
@@ -269,7 +274,8 @@ class Scene:
         """What is in it, for notebooks."""
         rows = [("mesh", self.mesh_name), ("thickness", self.thickness), ("material", self.material)]
         rows += [("layer", layer) for layer in self.layers or ()]
-        for key, items in (("support", self.supports), ("load", self.loads), ("case", self.cases)):
+        held = (("support", self.supports), ("load", self.loads), ("mass", self.masses), ("case", self.cases))
+        for key, items in held:
             rows += [(key, item.name if key == "case" else str(item)) for item in items]
         rows += [("probe", f"{name} at {at}") for name, at in self.probes.items()]
         return f"<p><b>{escape(self.title or 'Scene')}</b></p>{html_table(['', ''], rows)}"

@@ -20,6 +20,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.loads import Load, PointForce, PointMoment
+from kshell.scene.masses import Mass
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point, ProbePoint
 from kshell.scene.scene import Scene
@@ -28,16 +29,16 @@ from kshell.scene.supports import Clamped, Fixed, RigidLink, Support
 from kshell.values.time import at_time, depends_on_time
 
 Floats = NDArray[np.float64]
-T = TypeVar("T", Load, Support)
+T = TypeVar("T", Load, Support, Mass)
 
 
 @dataclass(frozen=True, eq=False)
 class Placed(Generic[T]):
-    """A load or support with the part of the mesh it acts on.
+    """A load, support or added mass with the part of the mesh it acts on.
 
     Attributes
     ----------
-    item : Load or Support
+    item : Load, Support or Mass
     place : Selection, optional
         Vertices, edges or triangles; None is everywhere.
     link : RigidLink, optional
@@ -105,6 +106,8 @@ class Structure:
     title : str
     movable : bool
         Whether parts may move as rigid bodies.
+    masses : tuple of Placed
+        Added ones, one for each name.
     """
 
     space: Mesh
@@ -119,6 +122,7 @@ class Structure:
     imperfection: Imperfection | None = None
     title: str = ""
     movable: bool = False
+    masses: tuple[Placed[Mass], ...] = ()
 
     def on(self, space: Mesh) -> Structure:
         """The same with vertices moved."""
@@ -152,7 +156,8 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     links = _links(scene, space)
     supports = tuple(_supports(scene.supports, space, links))
     loads = tuple(_load(load, space, links) for load in scene.loads)
-    every: list[Placed[Any]] = [*supports, *loads]
+    masses = tuple(_masses(scene.masses, space))
+    every: list[Placed[Any]] = [*supports, *loads, *masses]
     for placed in every:
         (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
     for words in contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space):
@@ -172,6 +177,7 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
         _directions(scene.direction, space),
         scene.imperfection,
         scene.title,
+        masses=masses,
     )
 
 
@@ -199,11 +205,13 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
         return
     supports: list[Placed[Support]] = []
     loads: list[Placed[Load]] = []
-    for item in [*scene.supports, *scene.loads]:
+    for item in [*scene.supports, *scene.loads, *scene.masses]:
         try:
             if isinstance(item, Support):
                 found: list[Any] = list(_supports([item], space, links))
                 supports += found
+            elif isinstance(item, Mass):
+                found = list(_masses([item], space))
             else:
                 found = [_load(item, space, links)]
                 loads += found
@@ -273,3 +281,10 @@ def _supports(
                 select(space, names, dimensions=support.dimensions, what=what)
         for on in names:
             yield Placed(support, select(space, on, dimensions=support.dimensions, what=what))
+
+
+def _masses(masses: Iterable[Any], space: Mesh) -> Iterator[Placed[Mass]]:
+    for mass in masses:
+        names = mass.on if isinstance(mass.on, tuple) and isinstance(mass.on[0], str) else (mass.on,)
+        for on in names:
+            yield Placed(mass, select(space, on, dimensions=mass.dimensions, what="mass"))

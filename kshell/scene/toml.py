@@ -19,6 +19,7 @@ from kshell.scene.contact import Contact, obstacle_from
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
+from kshell.scene.masses import Mass
 from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_probe
@@ -67,6 +68,7 @@ KEYS = [
     "combination",
     "line",
     "cut",
+    "mass",
     "initial",
     "damping",
     "contact",
@@ -237,6 +239,7 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
         for cut in _each(data.get("cut", []), "cut", source, lambda block: Cut(**block))
         for name in cut.on
     ]
+    arguments["masses"] = _each(data.get("mass", []), "mass", source, lambda block: Mass(**block))
     if "initial" in data:
         with inside(f"{source}, [initial]", "initial velocity: "):
             arguments["initial_velocity"] = initial_from_dict(_table(data["initial"]))

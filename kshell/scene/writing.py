@@ -31,6 +31,7 @@ BLOCKS = {
     "cases": "case",
     "combinations": "combination",
     "lines": "line",
+    "masses": "mass",
 }
 
 # arguments that may be dicts by surface group

@@ -32,6 +32,7 @@ from kshell.scene.loads import (
     Traction,
 )
 from kshell.scene.structure import Placed
+from kshell.scene.weights import weights
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.initial import StressFree, temperature
 from kshell.shell.limits import USE_KOITER
@@ -96,6 +97,7 @@ def apply_loads(
     energy: Any,
     section: Section,
     links: Sequence[Link] = (),
+    masses: Sequence[Placed[Any]] = (),
 ) -> ShellLoads:
     """Translate the loads of a structure.
 
@@ -109,13 +111,15 @@ def apply_loads(
         For the weight.
     links : sequence of Link
         Whose points loads may act on.
+    masses : sequence of Placed
+        Added ones, which gravity acts on as well.
 
     Raises
     ------
     InputError
         For loads that do not fit, and those the discretisation does not have.
     """
-    builder = _Builder(mesh, discretisation, energy, section, links)
+    builder = _Builder(mesh, discretisation, energy, section, links, masses)
     for number, placed in enumerate(loads):
         builder.number, before = number, len(builder.out.forces)
         HANDLERS.handle(builder, placed, builder.out.warnings)
@@ -125,9 +129,15 @@ def apply_loads(
 
 class _Builder:
     def __init__(
-        self, mesh: Mesh, discretisation: Discretisation, energy: Any, section: Section, links: Sequence[Link]
+        self,
+        mesh: Mesh,
+        discretisation: Discretisation,
+        energy: Any,
+        section: Section,
+        links: Sequence[Link],
+        masses: Sequence[Placed[Any]],
     ) -> None:
-        self.links = links
+        self.links, self.masses = links, masses
         self.mesh, self.discretisation, self.energy, self.section = mesh, discretisation, energy, section
         self.surface, self.kernel = discretisation.surface, discretisation.loads
         self.number = 0
@@ -171,11 +181,13 @@ class _Builder:
         triangles = placed.members(self.mesh)
         points, _ = self.discretisation.interior_points(triangles)
         mass = self.section.mass(triangles, points)
-        if not mass.min(initial=np.inf) > 0.0:
+        if not (mass.min(initial=np.inf) > 0.0 or self.masses):
             raise InputError(f"{load}: the material has no density: give it, in mass per volume")
         weight = (mass[..., None] * load.at(points)).reshape(-1, 3)
         # the kernel asks for values at the same points, in the same order
         self.out.forces.append(self.kernel.traction(self.surface, lambda _: weight, triangles))
+        for added in weights(self.masses, placed, self.mesh):
+            HANDLERS.handle(self, added, self.out.warnings)
 
     @HANDLERS.of(LineForce)
     def _line_force(self, load: Any, placed: Placed[Any]) -> None:

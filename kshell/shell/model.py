@@ -89,7 +89,9 @@ class ShellModel(FiniteModel):
     def full_mass(self) -> sp.csr_matrix:
         every = np.arange(len(self.problem.space.triangles))
         points, _ = self.problem.discretisation.interior_points(every)
-        return self.problem.discretisation.mass(self.problem.section.mass(every, points))
+        mass = self.problem.discretisation.mass(self.problem.section.mass(every, points))
+        added = self.problem.added_mass
+        return mass if added is None else (mass + added).tocsr()
 
     def rigid_modes(self, mass: sp.csr_matrix) -> RigidModes:
         return vibration.rigid_modes_of(self.problem, mass)

@@ -68,12 +68,31 @@ class ShellProblem:
         self.energy: Any = discretisation.energy(self._stiffness())
         self.supports: ShellSupports = apply_supports(structure.supports, self.space, discretisation)
         self.loads: ShellLoads = apply_loads(
-            structure.loads, self.space, discretisation, self.energy, self.section, self.supports.links
+            structure.loads,
+            self.space,
+            discretisation,
+            self.energy,
+            self.section,
+            self.supports.links,
+            structure.masses,
         )
         self.reduction: Reduction = with_links(self.supports.conditions.reduction(), self.supports.links)
         self.springs: sp.csr_matrix | None = self.supports.springs
         if not structure.movable:
             require_held(self.space, discretisation, self.reduction, self.springs)
+
+    @cached_property
+    def added_mass(self) -> sp.csr_matrix | None:
+        """(unknowns, unknowns) of added masses; None where there are none."""
+        parts = []
+        for placed in self.structure.masses:
+            assert placed.place is not None  # masses are somewhere
+            # a mass is to the velocity what a spring is to the motion
+            parts += [
+                self.discretisation.spring(placed.place, axis, placed.item.at, str(placed.item))
+                for axis in np.eye(3)
+            ]
+        return sum(parts[1:], parts[0]).tocsr() if parts else None
 
     @cached_property
     def load(self) -> Floats:
@@ -99,7 +118,12 @@ class ShellProblem:
         out.structure = structure
         if structure.loads != self.structure.loads:
             out.loads = apply_loads(
-                structure.loads, self.space, self.discretisation, self.energy, self.section
+                structure.loads,
+                self.space,
+                self.discretisation,
+                self.energy,
+                self.section,
+                masses=structure.masses,
             )
         given = self.reduction.given
         if structure.supports != self.structure.supports:

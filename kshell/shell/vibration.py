@@ -22,11 +22,16 @@ class _Weights(NamedTuple):
     mass: Floats  # (triangle, point)
     points: Floats  # (triangle, point, 3)
     part: np.ndarray  # (triangle,)
+    added: tuple[Floats, Floats]  # first moments (part, 3) and masses (part,) of added ones
 
     def centre(self, part: int | None = None) -> Floats:
+        """(3,) of mass; of the area where there is no mass."""
         inside = slice(None) if part is None else self.part == part
-        mass = self.mass[inside]
-        return np.asarray(np.einsum("tq,tqx->x", mass, self.points[inside]) / mass.sum())
+        mass, points = self.mass[inside], self.points[inside]
+        chosen = slice(None) if part is None else slice(part, part + 1)
+        moment = np.einsum("tq,tqx->x", mass, points) + self.added[0][chosen].sum(axis=0)
+        total = mass.sum() + self.added[1][chosen].sum()
+        return np.asarray(moment / total) if total > 0.0 else points.mean(axis=(0, 1))
 
 
 def _weights(problem: ShellProblem) -> _Weights:
@@ -34,7 +39,26 @@ def _weights(problem: ShellProblem) -> _Weights:
     every = np.arange(len(mesh.triangles))
     points, weight = problem.discretisation.interior_points(every)
     density = problem.section.mass(every, points)
-    return _Weights(weight * density, points, vertex_parts(mesh)[mesh.triangles[:, 0]])
+    part = vertex_parts(mesh)
+    return _Weights(weight * density, points, part[mesh.triangles[:, 0]], _added(problem, part))
+
+
+def _added(problem: ShellProblem, part: np.ndarray) -> tuple[Floats, Floats]:
+    """First moments (part, 3) and masses (part,) of added masses, from what they do to unit motions."""
+    count = int(part.max()) + 1
+    moments, masses = np.zeros((count, 3)), np.zeros(count)
+    added = problem.added_mass
+    if added is None:
+        return moments, masses
+    motions = problem.discretisation.rigid_motions(np.zeros(3), 1.0)
+    part_of_unknown = part[problem.discretisation.vertex_of_unknown()]
+    for number in range(count):
+        moving = motions * (part_of_unknown == number)[:, None]
+        pushed = moving.T @ (added @ moving)
+        masses[number] = pushed[0, 0]
+        # a turn about z moves (x, y) by (-y, x), one about y moves z by -x: u = axis x place
+        moments[number] = [pushed[1, 5], -pushed[0, 5], pushed[0, 4]]
+    return moments, masses
 
 
 def rigid_modes_of(problem: ShellProblem, mass: sp.csr_matrix) -> RigidModes:
