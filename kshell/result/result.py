@@ -16,7 +16,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass, field
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,15 +27,14 @@ from kshell.mesh.words import clipped
 from kshell.result import doors
 from kshell.result.cases import Envelope
 from kshell.result.cut import cut
+from kshell.result.document import document
 from kshell.result.extremes import find_extremes
+from kshell.result.page import page
 from kshell.result.rows import Rows
 from kshell.result.saving import save, write_together
 from kshell.result.tables import table_files, tables
 from kshell.scene.line import Line
-from kshell.scene.writing import scene_words
-from kshell.values.html import html_list, html_table
 from kshell.values.naming import listing, suggestion
-from kshell.version import __version__
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -294,20 +292,7 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Picture, probes and warnings, for notebooks."""
-        import base64
-        import io
-
-        stream = io.BytesIO()
-        self.plot().savefig(stream, format="png", dpi=72)
-        picture = base64.b64encode(stream.getvalue()).decode("ascii")
-        rows = [
-            [name, *(f"{part:.6g}" for part in values["u"])]
-            for name, values in self.probes.items()
-            if "u" in values
-        ]
-        probes = html_table(["probe", "u_x", "u_y", "u_z"], rows) if rows else ""
-        image = f'<img alt="deflection" src="data:image/png;base64,{picture}">'
-        return f"<p>{escape(repr(self))}</p>{image}{probes}{html_list(self.warnings, 'Warnings')}"
+        return page(self)
 
     def to_dict(self) -> dict[str, Any]:
         """The content of result.json: numbers, text, lists and dicts only.
@@ -317,56 +302,7 @@ class Result:
         SolveError
             If a value is NaN or infinite; the message says which.
         """
-        document = {
-            "kshell": __version__,
-            "title": self.title,
-            "analysis": self.analysis,
-            "model": self.model,
-            "mesh": {
-                "vertices": len(self.mesh.points),
-                "triangles": len(self.mesh.triangles),
-                "unknowns": self.unknowns,
-            },
-            "probes": {name: {**values, "frame": self.frame} for name, values in self.probes.items()},
-            **({"sheets": self.sheets} if self.sheets else {}),
-            **({"nodal_values": self.nodal_values} if self.nodal_values else {}),
-            "extremes": self.extremes,
-            **({"input": self._input} if self._input else {}),
-            "strain_energy": self.strain_energy,
-            **({"energies": self.energies} if self.energies else {}),
-            "external_work": self.external_work,
-            "reactions": self.reactions,
-            "balance": self.balance,
-            "eigen": self.eigen,
-            **({"modal": self.modal} if self.modal else {}),
-            **({"response": self.response} if self.response else {}),
-            "path": self.path,
-            **({"critical": self.critical} if self.critical else {}),
-            **({"history": self.history} if self.history else {}),
-            "error": self.error,
-            "solver": self.solver,
-            "warnings": self.warnings,
-        }
-        if self.lines:
-            document["lines"] = self.lines
-        if self.cases:
-            document |= {"case": self.case, "cases": {n: self._of_case(n) for n in self.cases}}
-            document["envelope"] = self.envelope.to_dict()
-        return {key: _plain(value, key) for key, value in document.items()}
-
-    @property
-    def _input(self) -> dict[str, Any]:
-        return self.input or ({} if self.scene is None else scene_words(self.scene))
-
-    def _of_case(self, name: str) -> dict[str, Any]:
-        """What result.json says of one load case: all but what all cases have in common."""
-        own = {
-            k: v
-            for k, v in self.cases[name].to_dict().items()
-            if k not in ("kshell", "title", "mesh", "input")
-        }
-        added = self.combinations.get(name)
-        return own if added is None else {"combination": added, **own}
+        return document(self)
 
     def save(
         self,
@@ -487,19 +423,3 @@ class Result:
             If PyVista is not installed: it is the extra "view" of kshell.
         """
         return doors.show(self, what, scale, file)
-
-
-def _plain(value: Any, where: str) -> Any:
-    """The value made of dicts, lists, text and finite Python numbers."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(part, f"{where}.{key}") for key, part in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist(), where)
-    if isinstance(value, list | tuple):
-        return [_plain(part, f"{where}[{number}]") for number, part in enumerate(value)]
-    if isinstance(value, float) and not np.isfinite(value):
-        raise SolveError(
-            f"the result is not usable: {where} is {value}. Nothing is written; "
-            "look at the magnitudes of stiffness, thickness and loads"
-        )
-    return value

@@ -1,7 +1,7 @@
 """What a user describes: a mesh, its material and thickness, supports, loads and probes.
 
 Pure data, checked when it is made; it knows nothing of elements. Scenes are written in Python or as
-TOML files (`kshell.scene.toml`).
+TOML files (`kshell.scene.arguments`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import shown
+from kshell.scene.arguments import scene_arguments
 from kshell.scene.cases import Case, Combination, load_factors
 from kshell.scene.contact import Contact, contact, obstacles
 from kshell.scene.imperfection import Imperfection
@@ -29,6 +30,7 @@ from kshell.scene.masses import Mass
 from kshell.scene.motion import damping, initial_velocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point, as_probe
+from kshell.scene.reading import inside
 from kshell.scene.sections import (
     as_direction,
     as_layers,
@@ -41,7 +43,7 @@ from kshell.scene.sections import (
     require_one_section,
 )
 from kshell.scene.supports import Support
-from kshell.scene.toml import apply_override, inside, read_toml, scene_arguments
+from kshell.scene.toml import apply_override, read_toml
 from kshell.values import kinds
 from kshell.values.html import html_table
 from kshell.values.naming import listing, suggestion

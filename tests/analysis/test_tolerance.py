@@ -17,8 +17,8 @@ from kshell.mesh.insert import with_vertices
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
 from kshell.plate.corners import corner_exponents
-from tests.error.test_estimates import roof
 from tests.error.test_bounds import rhombus
+from tests.error.test_estimates import roof
 from tests.plate.hhj_cases import MATERIAL, l_shape, problem, square
 from tests.plate.plates import disk
 
