@@ -1,0 +1,7 @@
+"""Before numpy is imported: a worker of pytest-xdist uses one thread, for there are as many workers as cores."""
+
+import os
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(variable, "1")
