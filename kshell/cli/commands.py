@@ -15,7 +15,7 @@ from typing import Any
 import typer
 
 # the order of imports is that of the commands in the help
-from kshell.cli import answers, looking  # noqa: F401
+from kshell.cli import answers, explain, looking  # noqa: F401
 from kshell.cli.app import app
 from kshell.errors import Interrupted, KshellError, SolveError
 

@@ -38,7 +38,7 @@ class Layer:
     ----------
     material : Isotropic, Orthotropic or Anisotropic
     thickness : float [length]
-        > 0.
+        Of the layer, > 0.
     angle : float [degrees]
         Degrees by which the material is turned about z, counter-clockwise, on top of its own angle.
 

@@ -283,11 +283,13 @@ class SolveOptions:
     range: Annotated[Any, BeforeValidator(_range), WithJsonSchema(kinds.listed(kinds.NUMBER, 2, 2))] = None
     prestress: Flag = False
     error: Literal["auto", "off"] = "auto"
-    time: Annotated[Any, BeforeValidator(_duration)] = None
-    step: Annotated[Any, BeforeValidator(_time_step)] = "auto"
+    time: Duration = None
+    step: Annotated[
+        Any, BeforeValidator(_time_step), WithJsonSchema(kinds.either(kinds.AUTO, kinds.POSITIVE))
+    ] = "auto"
     scheme: Literal["auto", "alpha", "em", "bdf2", "euler", "modes", "direct"] = "auto"
-    output: Annotated[Any, BeforeValidator(_output)] = 50
-    ramp: Annotated[Any, BeforeValidator(_duration)] = None
+    output: Annotated[Any, BeforeValidator(_output), WithJsonSchema(kinds.COUNT)] = 50
+    ramp: Duration = None
 
     @property
     def time_limit(self) -> float:

@@ -106,7 +106,7 @@ def _probes(value: Any) -> Any:
     return points
 
 
-THICKNESS = kinds.either(kinds.POSITIVE, kinds.EXPRESSION)
+THICKNESS = kinds.by_group(kinds.either(kinds.POSITIVE, kinds.EXPRESSION))
 TOWARDS = kinds.either(kinds.DIRECTION, kinds.table(point=kinds.POINT))
 
 
@@ -206,8 +206,12 @@ class Scene:
     probes: Annotated[dict[str, Any], BeforeValidator(_probes)] = field(default_factory=dict)
     layers: Annotated[Any, BeforeValidator(by_group(as_layers))] = None
     chart: Annotated[Any, BeforeValidator(_chart)] = None
-    offset: Annotated[Any, BeforeValidator(by_group(as_offset)), WithJsonSchema(kinds.NUMBER)] = 0.0
-    direction: Annotated[Any, BeforeValidator(by_group(as_direction)), WithJsonSchema(kinds.DIRECTION)] = None
+    offset: Annotated[
+        Any, BeforeValidator(by_group(as_offset)), WithJsonSchema(kinds.by_group(kinds.NUMBER))
+    ] = 0.0
+    direction: Annotated[
+        Any, BeforeValidator(by_group(as_direction)), WithJsonSchema(kinds.by_group(kinds.DIRECTION))
+    ] = None
     imperfection: Any = None
     mesh_size: Number | None = None
     mesh_order: Literal["auto", 1, 2] = "auto"

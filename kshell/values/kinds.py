@@ -35,6 +35,12 @@ def table(**keys: Schema) -> Schema:
     return {"type": "object", "properties": keys, "required": list(keys), "additionalProperties": False}
 
 
+def by_group(schema: Schema) -> Schema:
+    """A value, or a table of surface group to value."""
+    parts = schema.get("anyOf", [schema])
+    return either(*parts, {"type": "object", "additionalProperties": either(*parts), "minProperties": 1})
+
+
 def matrix(size: int) -> Schema:
     """Rows and columns."""
     return listed(listed(NUMBER, size, size), size, size)
@@ -70,7 +76,7 @@ def words(schema: Schema) -> str:
             return f"list of {count}{plural}"
         case "object":
             keys = ", ".join(schema.get("properties", {}))
-            return f"table of {keys}" if keys else "table"
+            return f"table of {keys}" if keys else "table of names and values"
         case "string":
             return {"expression": "expression", "group": "group name", "path": "path"}.get(
                 schema.get("format", ""), "text"

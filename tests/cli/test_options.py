@@ -1,5 +1,6 @@
 """Options declared once, and what help and completion say of them."""
 
+import json
 import os
 import subprocess
 import sys
@@ -72,3 +73,38 @@ def test_completion_knows_commands_and_options():
             },
         )
         assert expected in done.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("load.line_force", ["[[load]]", "force / length", "expressions", "on:"]),
+        ("support.kind", ["support.clamped", "support.fix"]),
+        ("solve.tolerance", ["Relative", '"1%"', "unit: 1"]),
+        ("load.0.value", ["load.pressure.value", "load.gravity.value"]),
+    ],
+)
+def test_explain(key, words, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert run(["explain", key]) == 0
+    text = capsys.readouterr().out
+    for word in words:
+        assert word in text
+    assert "…" not in text
+
+
+def test_explain_without_a_key_lists_all_blocks(capsys):
+    assert run(["explain"]) == 0
+    text = capsys.readouterr().out
+    assert all(name in text for name in ("[[load]]", "[solve]", "line_force", "top_towards"))
+
+
+def test_explain_of_an_unknown_key(capsys):
+    assert run(["explain", "load.presure"]) == 2
+    assert "did you mean load.pressure" in capsys.readouterr().err
+
+
+def test_the_schema_is_printed(capsys):
+    assert run(["explain", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out)["properties"]["load"]["type"] == "array"
+    assert run(["explain", "--schema", "load"]) == 2
