@@ -15,17 +15,19 @@ from kshell.geometry.charts import READY
 from kshell.material.given import Section
 from kshell.material.laminate import Layer
 from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
+from kshell.scene.arguments import SIMPLE_KEYS
 from kshell.scene.blocks import Cut, Probe
 from kshell.scene.cases import Case, Combination
 from kshell.scene.contact import SHAPES, Contact, Obstacle
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
+from kshell.scene.masses import Mass
 from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
+from kshell.scene.reading import GROUP_KEYS, NAMED_SUPPORTS
 from kshell.scene.scene import Scene
 from kshell.scene.supports import Elastic, Fixed
-from kshell.scene.toml import GROUP_KEYS, NAMED_SUPPORTS, SIMPLE_KEYS
 from kshell.values import kinds
 from kshell.values.docstrings import Described, described_by_docstring
 
@@ -165,6 +167,7 @@ def _blocks() -> Iterator[Block]:
         (Combination, "combination"),
         (Line, "line"),
         (Cut, "cut"),
+        (Mass, "mass"),
     ):
         yield _block(cls, name, f"[[{name}]]")
     yield _block(InitialVelocity, "initial", "[initial]")
@@ -267,7 +270,7 @@ def _charts() -> Iterator[Block]:
         constants = inspect.signature(make).parameters
         keys = [Key("kind", "Which chart.", "", {"const": kind}, ABSENT, True, f'kind = "{kind}"')]
         for name, parameter in constants.items():
-            default = ABSENT if parameter.default is inspect.Parameter.empty else parameter.default
+            default: Any = ABSENT if parameter.default is inspect.Parameter.empty else parameter.default
             line = f"{name} = {float(2.5 if default is ABSENT else default)}"
             keys.append(
                 Key(name, "Constant of the chart.", "length", kinds.NUMBER, default, default is ABSENT, line)

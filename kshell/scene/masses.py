@@ -21,6 +21,21 @@ class Mass:
     """A mass without stiffness: at points, per length on curves, per area on surfaces.
 
     It moves with the middle surface and has no inertia against turning of its own.
+
+    Attributes
+    ----------
+    on : str, tuple of str, or (x, y, z)
+        A group, several groups, or the nearest mesh vertex.
+    value : scalar [mass at points, mass / length on curves, mass / length^2 on surfaces]
+        How much, > 0.
+
+    Examples
+    --------
+    ```toml
+    [[mass]]
+    on = "motor"
+    value = 40
+    ```
     """
 
     dimensions: ClassVar[tuple[int, ...]] = (0, 1, 2)

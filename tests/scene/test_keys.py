@@ -9,6 +9,7 @@ import jsonschema
 import pytest
 
 import kshell as ks
+from kshell.scene.arguments import KEYS
 from kshell.scene.keys import blocks
 from kshell.scene.lookup import find, names
 from kshell.scene.schema import scene_schema, schema_text
@@ -112,6 +113,10 @@ def test_what_scenes_refuse_the_schema_refuses(wrong):
 def test_the_shipped_schema_is_current():
     shipped = (ROOT / "docs" / "scene.schema.json").read_text(encoding="utf-8")
     assert shipped == schema_text(), "write it anew: kshell explain --schema > docs/scene.schema.json"
+
+
+def test_all_keys_of_the_parser_are_there():
+    assert set(scene_schema()["properties"]) == set(KEYS)
 
 
 def test_all_names_are_found():
