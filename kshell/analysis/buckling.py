@@ -107,7 +107,7 @@ def growing(structure: Structure) -> list[bool]:
         If some prescribed motions grow and others do not.
     """
     loads = [not placed.item.fixed for placed in structure.loads]
-    moved = {placed.item.fixed for placed in structure.supports if placed.item.value is not None}
+    moved = {placed.item.fixed for placed in structure.supports if placed.item.moves}
     if len(moved) > 1:
         raise InputError(
             "some prescribed motions have fixed = true and others not: either all of them grow or none"
@@ -116,7 +116,7 @@ def growing(structure: Structure) -> list[bool]:
 
 
 def _moves(structure: Structure) -> bool:
-    return any(placed.item.value is not None for placed in structure.supports)
+    return any(placed.item.moves for placed in structure.supports)
 
 
 def _factors(pencil: CriticalPencil, count: int, fixed: bool) -> Spectrum:

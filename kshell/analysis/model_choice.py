@@ -313,6 +313,8 @@ def _beyond_argyris(structure: Structure) -> str:
     for held in structure.supports:
         if isinstance(held.item, Hinge | RigidLink):
             return f"{held.item} needs it"
+        if held.item.rotation is not None:
+            return f"{held.item} prescribes a rotation"
     for placed in structure.loads:
         if getattr(placed.item, "follower", False):
             return f"{placed.item} needs it"

@@ -164,9 +164,13 @@ def _warnings(model: Model, run: Run, values: Floats) -> list[str]:
             "buckling and not stable there"
         )
     structure = run.structure
-    if structure.loads and not run.options.prestress:
+    moved = any(placed.item.moves for placed in structure.supports)
+    if (structure.loads or moved) and not run.options.prestress:
+        what = (
+            "the loads" if not moved else "prescribed motions" if not structure.loads else "loads and motions"
+        )
         out.append(
-            "the loads do not act in this analysis: prestress = true lets them act before the structure vibrates"
+            f"{what} do not act in this analysis: prestress = true lets them act before the structure vibrates"
         )
     if any(isinstance(placed.item, Symmetry) for placed in structure.supports):
         out.append("planes of symmetry hold the motion: modes that are not symmetric to them are left out")

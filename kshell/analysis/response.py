@@ -207,9 +207,11 @@ def _require(run: Run) -> None:
             'damping: a ratio for every mode is for scheme = "modes": a direct solution is damped by the material; '
             "give the ratio of the first mode, a number, or viscosity or drag"
         )
-    moved = [str(placed.item) for placed in structure.supports if placed.item.value is not None]
+    moved = [str(placed.item) for placed in structure.supports if placed.item.moves]
     if moved:
-        raise InputError(f"{moved[0]} prescribes a motion: a response is to loads, leave the value out")
+        raise InputError(
+            f"{moved[0]} prescribes a motion: a response is to loads, leave value and rotation out"
+        )
     if not structure.probes:
         raise InputError('analysis = "response" needs a probe: it gives the amplitudes there')
     if not structure.loads:

@@ -17,7 +17,7 @@ from kshell.equilibrium.model import FiniteModel, Model, Solved
 from kshell.equilibrium.problem import State
 from kshell.error.assess import DUALS, assess
 from kshell.error.assessment import Assessment
-from kshell.errors import SolveError
+from kshell.errors import InputError, SolveError
 from kshell.result.result import Result
 from kshell.scene.options import TOLERANCE
 from kshell.scene.supports import RigidLink, SimplySupported
@@ -191,7 +191,13 @@ def _linear_only(model: Model, run: Run, solved: Solved | None) -> Answered:
         )
         return answered
     again = run.with_options(model="shell")
-    shell = answer_once(again.model(), again)
+    try:
+        stretching = again.model()
+    except InputError as error:  # a plate may be free to move in its plane, a shell must be held there
+        plate.model["reasons"].append(f"linear: {doubt}")
+        plate.warnings.append(f"{doubt}; large deflections would tell, but {error}")
+        return answered
+    shell = answer_once(stretching, again)
     found = shell.result
     if found.model["large_deflection"]:
         found.model["reasons"][0] = f"kind shell: {words}"

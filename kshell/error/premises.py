@@ -58,6 +58,11 @@ def why_not(problem: PlateProblem, order: int) -> str:
     limit = min(order, ARGYRIS_DEGREE)
     if any(group.value is not None and not _exact(group.degree, limit) for group in problem.supports.held):
         reasons.append(f"a prescribed deflection is not known to be a polynomial of degree {limit} at most")
+    limit = min(order, ARGYRIS_DEGREE) - 1
+    if any(
+        group.slope is not None and not _exact(group.slope_degree, limit) for group in problem.supports.held
+    ):
+        reasons.append(f"a prescribed rotation is not known to be a polynomial of degree {limit} at most")
     return "; ".join(dict.fromkeys(reasons))
 
 

@@ -33,9 +33,9 @@ from kshell.plate.corners import corner_angles
 from kshell.plate.loading import PointLoad
 from kshell.plate.loads import Loads
 from kshell.plate.model import PlateModel
+from kshell.plate.places import points_3d
 from kshell.plate.problem import PlateProblem
 from kshell.plate.recovery import Fields
-from kshell.plate.supports import points_3d
 from kshell.result.result import Result
 from kshell.scene.supports import Clamped, Elastic, Fixed, SimplySupported, SoftSupported, Symmetry
 

@@ -20,11 +20,11 @@ class Conditions:
     fans, rows, values
         Lists of (n,) fans, which up to the number of vertices are the vertices, (n, per_vertex) rows on scaled
         degrees of freedom, (n,) values.
-    edges
-        List of (n,) edges whose degree of freedom is fixed at zero.
-    triangle_edges, triangles, triangle_rows
-        Lists of (n,) edges, (n,) triangles and (n, local) rows on physical degrees of freedom that
-        determine the edges' degrees of freedom from the others of the triangle: they vanish.
+    edges, edge_values
+        Lists of (n,) edges whose degree of freedom is fixed, and (n,) physical values.
+    triangle_edges, triangles, triangle_rows, triangle_values
+        Lists of (n,) edges, (n,) triangles, (n, local) rows on physical degrees of freedom and their (n,) values, which
+        determine the edges' degrees of freedom from the others of the triangle.
     slope_vertices, slopes
         Lists of (n,) vertices and (n, 2) directions in which the slope vanishes, for multigrid: what holds
         along an edge, whether the element has gradients at its vertices or not.
@@ -34,9 +34,11 @@ class Conditions:
     rows: list[Floats] = field(default_factory=list)
     values: list[Floats] = field(default_factory=list)
     edges: list[Ints] = field(default_factory=list)
+    edge_values: list[Floats] = field(default_factory=list)
     triangle_edges: list[Ints] = field(default_factory=list)
     triangles: list[Ints] = field(default_factory=list)
     triangle_rows: list[Floats] = field(default_factory=list)
+    triangle_values: list[Floats] = field(default_factory=list)
     slope_vertices: list[Ints] = field(default_factory=list)
     slopes: list[Floats] = field(default_factory=list)
 

@@ -30,10 +30,10 @@ from numpy.typing import NDArray
 from kshell.elements.quadrature import interval_rule
 from kshell.plate.domain import Domain
 from kshell.plate.forms import AreaSpring, Bending, EdgeSpring, PointSpring
+from kshell.plate.held import Supports
 from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
-from kshell.plate.supports import Supports
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

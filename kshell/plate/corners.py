@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
 from kshell.plate.curves import EdgeCurves, edge_curves
-from kshell.plate.supports import Supports
+from kshell.plate.held import Supports
 
 Floats = NDArray[np.float64]
 

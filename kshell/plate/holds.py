@@ -3,7 +3,7 @@
 On a curved edge the conditions at vertices and midpoints leave the deflection small, but not zero, between
 them, and the edge force V and edge moment M_nn do a little work on it. Taking that work out,
 
-    - int V(w) v + V(v) (w - g)  +  int M_nn(w) v_n + M_nn(v) w_n,        V = Q_n + d M_nt / ds,
+    - int V(w) v + V(v) (w - g)  +  int M_nn(w) v_n + M_nn(v) (w_n - s),        V = Q_n + d M_nt / ds,
 
 lets edge moments converge with the order of the element; without it they stay at order two. A penalty keeps the
 matrix positive definite on coarse meshes. On straight edges w and w_n vanish exactly and nothing is added.
@@ -12,7 +12,7 @@ Symbols
 -------
 n, t, k    outward normal, tangent (n turned by 90 degrees), curvature vector dt/ds
 M, Q       moments -D (w_xx, w_yy, 2 w_xy), shear forces div M
-g          prescribed deflection
+g, s       prescribed deflection, and slope w_n
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from kshell.plate.forms import Bending, Form
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+OfPlace = Callable[[Floats], Floats]  # values (...) at points (..., 2)
 
 POINTS = 8
 # penalties, in units of D / h^3 and D / h; 1e3 leaves a disk with 16 edges indefinite, 1e6 costs digits
@@ -85,12 +86,28 @@ class CurvedHold(Form):
             total += _product(rows.slope, weight * SLOPE_PENALTY * stiff[1] * rows.slope)
         return total
 
-    def load_vectors(self, positions: Ints, transform: Floats, g: Floats) -> Floats:
-        """(n, local) the right-hand side that goes with a prescribed deflection g (n, point)."""
-        rows = self._rows(positions, transform)
-        weight = (self.patch.weights[positions] * g)[:, :, None]
-        pull = VALUE_PENALTY * self._penalty(positions)[0] * rows.value - rows.force
-        return (weight * pull).sum(axis=1)
+    def load_vectors(self, positions: Ints, transform: Floats, g: Floats | None, s: Floats | None) -> Floats:
+        """(n, local) the right-hand side that goes with a prescribed deflection g and slope s (n, point)."""
+        rows, penalty = self._rows(positions, transform), self._penalty(positions)
+        weight = self.patch.weights[positions]
+        out = np.zeros((len(positions), transform.shape[2]))
+        if g is not None:
+            pull = VALUE_PENALTY * penalty[0] * rows.value - rows.force
+            out += ((weight * g)[:, :, None] * pull).sum(axis=1)
+        if s is not None:
+            turn = SLOPE_PENALTY * penalty[1] * rows.slope + rows.moment
+            out += ((weight * s)[:, :, None] * turn).sum(axis=1)
+        return out
+
+    def penalty_energy(self, g: Floats | None, s: Floats | None) -> float:
+        """Energy of the penalties on a deflection g and slope s (n, point)."""
+        penalty, weight = self._penalty(np.arange(len(self.edges))), self.patch.weights
+        total = 0.0
+        if g is not None:
+            total += VALUE_PENALTY * float((weight * penalty[0][..., 0] * g**2).sum())
+        if s is not None:
+            total += SLOPE_PENALTY * float((weight * penalty[1][..., 0] * s**2).sum())
+        return 0.5 * total
 
     def _penalty(self, positions: Ints) -> tuple[Floats, Floats]:
         """D / h^3 and D / h per edge, (n, 1, 1), h the smaller of length and height of the triangle."""
@@ -139,10 +156,11 @@ class CurvedHold(Form):
 
 @dataclass
 class HoldLoad:
-    """The right-hand side of a `CurvedHold` with a prescribed deflection; no load in statics."""
+    """The right-hand side of a `CurvedHold` with a prescribed deflection, slope, or both; no load in statics."""
 
     hold: CurvedHold
-    deflection: Callable[[Floats], Floats]
+    deflection: OfPlace | None = None
+    slope: OfPlace | None = None
 
     everywhere: bool = field(default=False, init=False)
 
@@ -150,7 +168,17 @@ class HoldLoad:
         yield from self.hold.blocks()
 
     def vectors(self, positions: Ints, transform: Floats) -> Floats:
-        return self.hold.load_vectors(positions, transform, self.deflection(self.hold.patch.xy[positions]))
+        return self.hold.load_vectors(positions, transform, *self._given(self.hold.patch.xy[positions]))
+
+    def energy(self) -> float:
+        """Of the penalties on what is prescribed: with it they count what the deflection differs from that."""
+        return self.hold.penalty_energy(*self._given(self.hold.patch.xy))
+
+    def _given(self, xy: Floats) -> tuple[Floats | None, Floats | None]:
+        return (
+            None if self.deflection is None else self.deflection(xy),
+            None if self.slope is None else self.slope(xy),
+        )
 
     def resultant(self, origin: Floats) -> Floats:
         return np.zeros(3)
@@ -159,7 +187,12 @@ class HoldLoad:
         return 0.0
 
     def times(self, factor: float) -> HoldLoad:
-        return replace(self, deflection=lambda xy: factor * self.deflection(xy))
+        return replace(self, deflection=scaled(factor, self.deflection), slope=scaled(factor, self.slope))
+
+
+def scaled(factor: float, value: OfPlace | None) -> OfPlace | None:
+    """A function of the place times a number."""
+    return None if value is None else lambda xy: factor * value(xy)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
-from kshell.plate.supports import first_triangles, points_3d
+from kshell.plate.places import first_triangles, points_3d
 from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
     EdgeMoment,

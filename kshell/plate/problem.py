@@ -21,6 +21,7 @@ from kshell.plate.corners import singular_corners
 from kshell.plate.domain import Domain
 from kshell.plate.fans import make_fans
 from kshell.plate.forms import Bending, Form
+from kshell.plate.held import Supports
 from kshell.plate.inertia import Mass
 from kshell.plate.layout import Layout
 from kshell.plate.loading import LOAD_DEGREE
@@ -30,7 +31,7 @@ from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import require_held
 from kshell.plate.space import plate_space
-from kshell.plate.supports import Supports, apply_supports
+from kshell.plate.supports import apply_supports
 from kshell.scene.lines import inner_lines
 from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic
@@ -158,19 +159,30 @@ class PlateProblem:
         return out
 
     def energies(self, q: Floats) -> tuple[float, float]:
-        """Strain energy, and the work of the loads when they are applied slowly.
+        """Strain energy, and the work of the loads and of supports that move when all of them act slowly.
 
-        For a plate with supports at rest both are equal; prescribed motion does work too, initial
-        curvature stores energy when it is held back.
+        Both are equal unless initial curvature is held back, which stores energy. With r = K d - f what supports exert
+        on the prescribed motion g, the work of supports is r g / 2; along curved edges what is prescribed enters by
+        `HoldLoad`, whose energy is counted on what w and w_n differ from it.
         """
         a = self.system
+        on_motion = self._work_of_supports(q)
         elastic = float(0.5 * (q @ (a.matrix @ q)) - q @ a.fixed_load + 0.5 * a.fixed_energy)
-        work = 0.5 * (float(q @ a.load) + a.load_work)
+        work = 0.5 * (float(q @ a.load) + a.load_work + on_motion)
+        if self.supports.hold_loads:
+            weak, weak_work = assemble_load(list(self.supports.hold_loads), self.domain, self.reduction)
+            pull = float(q @ weak) + weak_work - sum(load.energy() for load in self.supports.hold_loads)
+            elastic, work = elastic - pull, work - pull
         if not self.loads.curvatures:
             return elastic, work
         fixed, fixed_work = assemble_load(list(self.loads.curvatures), self.domain, self.reduction)
         pull = float(q @ fixed) + fixed_work
         return elastic - pull + self._held_back(), work - 0.5 * pull
+
+    def _work_of_supports(self, q: Floats) -> float:
+        """Work g (K d - f) of what supports exert on the prescribed motion, as if it acted in full."""
+        a = self.system
+        return a.fixed_energy - float(q @ a.fixed_load) - a.load_work
 
     def _held_back(self) -> float:
         """Energy of the initial curvatures, all together, in a plate that does not bend."""

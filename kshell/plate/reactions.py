@@ -19,11 +19,11 @@ from kshell.plate.assembly import residual
 from kshell.plate.corner_forces import CornerForces
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending, Form
+from kshell.plate.held import Supports
 from kshell.plate.layout import Layout
 from kshell.plate.loading import LinearForm
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
-from kshell.plate.supports import Supports
 from kshell.result.deferred import Deferred
 
 Floats = NDArray[np.float64]

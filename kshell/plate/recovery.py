@@ -25,8 +25,8 @@ from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.line_points import LinePoints
 from kshell.plate.loads import Loads
+from kshell.plate.places import points_3d
 from kshell.plate.points import Located, PlatePoints
-from kshell.plate.supports import points_3d
 from kshell.result.rows import Rows
 
 Floats = NDArray[np.float64]

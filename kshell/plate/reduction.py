@@ -87,7 +87,8 @@ class Reduction:
         fixed_edges = np.concatenate(
             [*conditions.edges, *conditions.triangle_edges, np.zeros(0, dtype=np.int64)]
         )
-        is_free[layout.edge_dofs(np.unique(fixed_edges.astype(np.int64)))] = False
+        fixed_edges, slopes = self._edge_slopes(fixed_edges, conditions)
+        is_free[layout.edge_dofs(fixed_edges)] = False
         is_free[layout.first_side :] = False
         order = np.argsort(layout.node, kind="stable") if layout.count > layout.first_hessian else slice(None)
         self.unknown = np.full(layout.count, -1, dtype=np.int32)
@@ -100,7 +101,21 @@ class Reduction:
         self.unknown[self.slaves.slots] = self.unknown[layout.edge_dofs(self.slaves.edges)]
         self.particular = np.zeros(layout.count)
         self.particular[self.slots[present]] = scaled[present] * layout.scale[self.slots[present]]
+        self.particular[layout.edge_dofs(fixed_edges)] = slopes  # at curved edges those of the true middles
         self.slaves.fill(self.particular)
+
+    def _edge_slopes(self, edges: Ints, conditions: Conditions) -> tuple[Ints, Floats]:
+        """The edges, once each, and their prescribed slopes."""
+        values = np.concatenate([*conditions.edge_values, *conditions.triangle_values, np.zeros(0)])
+        unique, first, inverse = np.unique(edges.astype(np.int64), return_index=True, return_inverse=True)
+        miss = np.abs(values - values[first][inverse])
+        if miss.any() and miss.max() > CONFLICT * np.abs(values).max():
+            ends = self.layout.mesh.edges[edges[int(miss.argmax())]]
+            x, y = self.layout.mesh.points[ends, :2].mean(axis=0)
+            raise InputError(
+                f"supports prescribe different rotations of the edge at ({x:g}, {y:g}): hold the rotation once there"
+            )
+        return unique, values[first]
 
     @property
     def _last_place(self) -> int:

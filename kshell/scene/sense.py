@@ -14,6 +14,7 @@ from kshell.mesh.select import Selection
 from kshell.mesh.words import place
 from kshell.scene.loads import NEGLIGIBLE, EdgeMoment, LineForce, Load
 from kshell.scene.supports import Elastic, Free, SimplySupported, Support
+from kshell.scene.turns import wrong_turns
 
 if TYPE_CHECKING:
     from kshell.scene.structure import Placed
@@ -33,6 +34,7 @@ def contradictions(
         In space.
     """
     yield from _free_and_held(supports, space)
+    yield from wrong_turns([placed.at_time(0.0) for placed in supports], space)
     flat = is_flat(space.points)
     for load in loads:
         yield from _lost(load, supports, space, flat)

@@ -247,9 +247,11 @@ def _at_point(item: Any, link: Placed[Any]) -> Placed[Any]:
     if (
         not isinstance(item, PointForce | PointMoment | Clamped | Fixed)
         or getattr(item, "axes", None) is not None
+        or getattr(item, "rotation", None) is not None
     ):
         raise InputError(
-            f"{item}: the point of a rigid link takes point_force, point_moment, clamped and fix (along x, y, z and r)"
+            f"{item}: the point of a rigid link takes point_force, point_moment, clamped and fix (along x, y, z "
+            "and r), without axes or a prescribed rotation"
         )
     return Placed(item, link.place, link.item)
 

@@ -41,8 +41,10 @@ class Support:
         The freedoms that are held (or sprung): letters of x, y, z (translations) and r (rotation about the edge).
     value : scalar, vector or None [length]
         Prescribed translation: a vector, or a scalar for z; zero if absent.
+    rotation : scalar or None [rad]
+        Prescribed rotation about boundary edges: positive as a positive edge moment turns; zero if absent.
     fixed : bool
-        Whether the prescribed translation does not grow in buckling.
+        Whether what is prescribed does not grow in buckling.
     dimensions : tuple of int
         What it may be on: 0 points, 1 curves, 2 surfaces.
     scaling : tuple of str
@@ -55,7 +57,13 @@ class Support:
     on: Place
     freedoms: str
     value: Any = None
+    rotation: Any = None
     fixed: bool = False
+
+    @property
+    def moves(self) -> bool:
+        """Whether it prescribes a motion."""
+        return self.value is not None or self.rotation is not None
 
     def translation_at(self, points: ArrayLike) -> NDArray[np.float64]:
         """Prescribed translation (..., 3) at points (..., 3); zero where nothing is prescribed."""
@@ -68,9 +76,16 @@ class Support:
         result[..., 2] = values_at(self.value, points, what=str(self))
         return result
 
+    def rotation_at(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Prescribed rotation (...) at points (..., 3); zero where nothing is prescribed."""
+        if self.rotation is None:
+            return np.zeros(np.shape(points)[:-1])
+        return values_at(self.rotation, points, what=f"{self}, rotation")
+
     def require_finite(self, points: ArrayLike) -> None:
         """Raise InputError if what it prescribes has no finite value at some of the points (n, 3)."""
         self.translation_at(points)
+        self.rotation_at(points)
 
     def __str__(self) -> str:
         return f"support {self.kind} {on_words(self.on)}"
@@ -240,10 +255,11 @@ class RigidLink(Support):
 
 @described("support fixed")
 class Fixed(Support):
-    """Exact freedoms, letters of "xyzr", with an optional prescribed translation.
+    """Exact freedoms, letters of "xyzr", with an optional prescribed translation and rotation.
 
     `value` is a vector (x, y, z), or a scalar for z; a function may return either. `axes`, on shells, are three
-    vectors at right angles that x, y and z of the letters then mean; `value` stays in global components.
+    vectors at right angles that x, y and z of the letters then mean; `value` stays in global components. `rotation` is
+    about boundary edges, with r among the freedoms; > 0 turns as a positive edge moment.
 
     Attributes
     ----------
@@ -259,18 +275,32 @@ class Fixed(Support):
     value = [0, 0, "0.001*y"]
     axes = [[1, 1, 0], [-1, 1, 0], [0, 0, 1]]
     fixed = true
+
+    [[support]]
+    on = "right"
+    fix = "zr"
+    rotation = "0.1*sin(pi*y)"
     ```
     """
 
     kind: ClassVar[str] = "fixed"
+    scaling: ClassVar[tuple[str, ...]] = ("value", "rotation")
     on: On
     freedoms: str = FREEDOMS
     value: ScalarOrVector | None = None
     axes: Axes = None
     fixed: Flag = False
+    rotation: ScalarValue | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "freedoms", checked_freedoms(self.freedoms, "fixed"))
+        if self.rotation is not None and is_constant(self.rotation) and self.rotation == 0.0:
+            object.__setattr__(self, "rotation", None)
+        if self.rotation is not None and "r" not in self.freedoms:
+            raise InputError(
+                f'support fixed: rotation = {shown(self.rotation)}, but "{self.freedoms}" does not hold the rotation: '
+                f'add r, fix = "{self.freedoms}r", or leave rotation out'
+            )
         if self.axes is None:
             _require_matching_value(self.freedoms, self.value)
         else:

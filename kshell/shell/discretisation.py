@@ -33,8 +33,8 @@ class Conditions(ABC):
         """Hold the components named by letters, in own axes (3, 3) if given, on vertices, edges or triangles."""
 
     @abstractmethod
-    def rotations(self, chosen: Selection, what: str) -> None:
-        """Hold the rotation about edges.
+    def rotations(self, chosen: Selection, what: str, value: OfPlace | None = None) -> None:
+        """Hold the rotation about edges, at zero or at values in the sense of an edge moment.
 
         Raises
         ------

@@ -74,9 +74,10 @@ def find_reactions(
     totals = [scaled.T @ forces for forces in [*loads, *held, *(forces for _, forces in springs)]]
     if not totals:
         return by_label, 0.0
-    # forces of supports count one by one, too: of prescribed motion and initial strains nothing is left of their sum
-    translations = np.abs(scaled[:, :3]).max(axis=1)
-    gross = max((float(np.abs(forces * translations).sum()) for forces in [*loads, *held]), default=0.0)
+    # forces and moments of supports count one by one, too: of prescribed motion and initial strains nothing is left of
+    # their sum
+    motion = np.abs(scaled).max(axis=1)
+    gross = max((float(np.abs(forces * motion).sum()) for forces in [*loads, *held]), default=0.0)
     largest = max(float(np.abs(totals).max()), gross, 1e-300)
     return by_label, float(np.abs(np.sum(totals, axis=0)).max() / largest)
 

@@ -182,7 +182,9 @@ class _Builder:
                 axes = getattr(support, "axes", None)
                 conditions.translations(chosen, letters, support.translation_at, axes)
             if "r" in support.freedoms:
-                conditions.rotations(chosen, what)
+                conditions.rotations(
+                    chosen, what, support.rotation_at if support.rotation is not None else None
+                )
         self.out.groups.append(HeldGroup(chosen.label, conditions=own))
 
     @staticmethod

@@ -18,7 +18,7 @@ from kshell.plate.answer import NODAL_VALUES, UNBALANCED, Above, cell_fields, ve
 from kshell.plate.curves import edge_curves
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.geometry import Triangles
-from kshell.plate.hhj.recovery import HHJFields, reactions
+from kshell.plate.hhj.recovery import HHJFields, reactions, work_of_supports
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
@@ -171,7 +171,7 @@ class HHJModel(Model):
             reactions=forces.groups,
             balance=forces.balance,
             strain_energy=system.energy(found),
-            external_work=0.5 * found.work,
+            external_work=0.5 * (found.work + work_of_supports(system, found)),
             evaluate=fields.at,
             error=error,
             warnings=warnings + probed.warnings,

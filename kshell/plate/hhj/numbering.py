@@ -25,21 +25,22 @@ class Held:
     vertices, edges : int arrays
         Vertices and edges where w is held; an edge holds its ends.
     slopes : int array
-        Edges whose slope is held at zero.
-    values : (vertex,) array, (edge, order - 1) array, optional
-        Prescribed w: at vertices, and coefficients of the bubbles (`edge_coefficients`); None is zero.
+        Edges whose slope is held.
+    values : (vertex,), (edge, order - 1) and (edge, order) arrays, optional
+        Prescribed w at vertices, coefficients of its bubbles (`edge_coefficients`), and of the slopes; None is zero.
     """
 
     vertices: Ints = field(default_factory=lambda: NONE)
     edges: Ints = field(default_factory=lambda: NONE)
     slopes: Ints = field(default_factory=lambda: NONE)
-    values: tuple[Floats, Floats] | None = None
+    values: tuple[Floats, Floats, Floats] | None = None
 
     def times(self, motion: float) -> Held:
         """The same with the prescribed values times a number."""
         if self.values is None:
             return self
-        return replace(self, values=(motion * self.values[0], motion * self.values[1]))
+        at_vertices, on_edges, slopes = self.values
+        return replace(self, values=(motion * at_vertices, motion * on_edges, motion * slopes))
 
 
 class Numbering:
@@ -81,6 +82,7 @@ class Numbering:
         out = np.zeros(self.count)
         out[: self.vertices] = held.values[0]
         out[self.vertices : self.slope_start] = held.values[1].ravel()
+        out[self.slope_start :] = held.values[2].ravel()
         out[self.free] = 0.0
         return out
 

@@ -97,13 +97,15 @@ class HHJFields(Fields):
         return out
 
 
-def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution) -> Reactions:
-    """Forces of the supports on the plate, by the work of what is left over on rigid motions."""
-    mesh, triangles, numbering = problem.mesh, system.triangles, system.numbering
-    points = mesh.points[:, :2]
-    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    size = float(np.abs(points - centre).max())
-    outer = system.tables.outer
+def work_of_supports(system: HHJSystem, solution: HHJSolution) -> float:
+    """Work of what supports exert on the motion that they prescribe, as if it acted in full."""
+    held = ~system.numbering.free
+    return float(_exerted(system, solution)[0][held] @ solution.unknowns[held])
+
+
+def _exerted(system: HHJSystem, solution: HHJSolution) -> tuple[Floats, list[Floats]]:
+    """(count,) what all unknowns lack to equilibrium, and the forces of the springs."""
+    numbering, outer = system.numbering, system.tables.outer
     left = system.forces(solution.strains) - solution.load.local
     spring_forces = [spring.forces(solution.local) for spring in system.springs]
     for spring, force in zip(system.springs, spring_forces, strict=True):
@@ -112,6 +114,16 @@ def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: 
         np.float64
     )
     residual[: numbering.vertices] -= solution.load.vertices
+    return residual, spring_forces
+
+
+def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution) -> Reactions:
+    """Forces of the supports on the plate, by the work of what is left over on rigid motions."""
+    mesh, triangles, numbering = problem.mesh, system.triangles, system.numbering
+    points = mesh.points[:, :2]
+    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    size = float(np.abs(points - centre).max())
+    residual, spring_forces = _exerted(system, solution)
 
     arms = points - centre
     motions = np.stack([np.ones(len(points)), arms[:, 1], -arms[:, 0]], axis=1)  # (vertex, 3)

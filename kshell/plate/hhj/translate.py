@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.hierarchic import orthonormal
+from kshell.elements.jets import legendre
 from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.errors import InputError
 from kshell.material.section import Section
 from kshell.plate.forms import AreaSpring, EdgeSpring, PointSpring
+from kshell.plate.held import Supports
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.numbering import Held, edge_coefficients
 from kshell.plate.hhj.system import HHJSystem, Load, Spring
 from kshell.plate.hhj.tables import tables
+from kshell.plate.holds import OfPlace
 from kshell.plate.loading import LOAD_DEGREE, AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
-from kshell.plate.supports import Supports
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -53,13 +55,16 @@ def held(triangles: Triangles, order: int, supports: Supports) -> Held:
         np.unique(np.concatenate([group.line for group in groups])) if groups else np.zeros(0, np.int64),
         np.unique(np.concatenate([group.edges for group in groups])) if groups else np.zeros(0, np.int64),
     )
-    if all(group.value is None for group in groups):
+    if all(group.value is None and group.slope is None for group in groups):
         return out
     at_vertices = np.zeros(len(mesh.points))
     at_edges = np.zeros((len(mesh.edges), order - 1))
+    slopes = np.zeros((len(mesh.edges), order))
     points = mesh.points[:, :2]
     s, _ = interval_rule(order + 6)
     for group in groups:
+        if group.slope is not None:
+            slopes[group.edges] = _slope_coefficients(triangles, order, group.edges, group.slope)
         if group.value is None:
             continue
         own = np.unique(np.concatenate([group.points, mesh.edges[group.line].ravel()])).astype(np.int64)
@@ -71,8 +76,17 @@ def held(triangles: Triangles, order: int, supports: Supports) -> Held:
             size = np.abs(at_vertices).max() + 1e-300
             coefficients[np.abs(coefficients) < 1e-14 * size] = 0.0
             at_edges[group.line] = coefficients
-    out.values = (at_vertices, at_edges)
+    out.values = (at_vertices, at_edges, slopes)
     return out
+
+
+def _slope_coefficients(triangles: Triangles, order: int, edges: Ints, slope: OfPlace) -> Floats:
+    """(n, order) of the length times dw/dn, n the edge's own normal, from the derivative along the outward one."""
+    s, w = interval_rule(order + 1 + VARYING // 2)
+    owner, place = places(triangles, edges)
+    scale = triangles.lengths[owner, place] * triangles.outward[owner, place]
+    projected = (slope(along(triangles, edges, s)) * w) @ legendre(order - 1, s)
+    return scale[:, None] * projected * (2 * np.arange(order) + 1)
 
 
 def springs(triangles: Triangles, order: int, supports: Supports) -> tuple[Spring, ...]:

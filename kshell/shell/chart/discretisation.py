@@ -246,9 +246,11 @@ class ArgyrisConditions(Conditions):
             else:
                 self.kernel.over_triangles(chosen.members, axis, along)
 
-    def rotations(self, chosen: Selection, what: str) -> None:
+    def rotations(self, chosen: Selection, what: str, value: OfPlace | None = None) -> None:
         """Hold the rotation about edges."""
         require_no_point(chosen, what)
+        if value is not None:
+            raise InputError(f"{what}: a prescribed rotation is for Koiter elements: {USE_KOITER}")
         if chosen.dimension == 2:
             raise InputError(
                 f"{what}: the smooth functions of Argyris elements on a chart would not bend at all if no edge of a "

@@ -22,7 +22,13 @@ from kshell.shell.initial import StressFree
 from kshell.shell.koiter import loads
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.initial import initial_strain
-from kshell.shell.koiter.loads import edge_normals, edge_table, surface_normals, surface_points
+from kshell.shell.koiter.loads import (
+    edge_normals,
+    edge_rotations,
+    edge_table,
+    surface_normals,
+    surface_points,
+)
 from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.reactions import rotation_axes
 from kshell.shell.koiter.recovery import displacement, energies, resultants
@@ -209,11 +215,9 @@ class KoiterDiscretisation(Discretisation):
 
     def _rotation_spring(self, chosen: Selection, stiffness: OfPlace, what: str) -> sp.csr_matrix:
         require_curve(chosen, what)
-        surface, p = self.surface, self.surface.order
-        _, _, weight, points = edge_table(surface, chosen.members, p)
-        triangle, local = surface.mesh.edge_owner[chosen.members].T
-        place = p * local[:, None] + np.arange(p)
-        unknowns = surface.rotation_start + surface.triangle_rotations[triangle[:, None], place]
+        surface = self.surface
+        _, _, weight, points = edge_table(surface, chosen.members, surface.order)
+        unknowns, _ = edge_rotations(surface, chosen.members)
         diagonal = np.zeros(self.unknowns)
         np.add.at(diagonal, unknowns, weight * stiffness(points))
         return sp.diags(diagonal).tocsr()
@@ -243,13 +247,20 @@ class KoiterConditions(Conditions):
             axis = np.array(axes["xyz".index(letter)])
             self.kernel.along(nodes, axis, values @ axis)
 
-    def rotations(self, chosen: Selection, what: str) -> None:
+    def rotations(self, chosen: Selection, what: str, value: OfPlace | None = None) -> None:
         """Hold the rotation about edges, in a surface about all of its edges."""
         require_no_point(chosen, what)
         edges = chosen.members
         if chosen.dimension == 2:
             edges = np.unique(self.surface.mesh.triangle_edges[chosen.members])
-        self.kernel.rotation(edges)
+        if value is None:
+            self.kernel.rotation(edges)
+            return
+        unknowns, sign = edge_rotations(self.surface, edges)
+        points = edge_table(self.surface, edges, self.surface.order)[3]
+        given = np.zeros(self.surface.unknowns)
+        given[unknowns] = sign * value(points)
+        self.kernel.rotation(edges, given[self.surface.rotations_of_edges(edges)])
 
     def symmetry(self, edges: Ints) -> None:
         """A plane of symmetry through edges."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
+from kshell.mesh.words import place
 from kshell.shell.koiter.rigid_motion import follow_rigid
 from kshell.shell.koiter.surface import Surface
 
@@ -75,6 +76,7 @@ def free_motions(surface: Surface, conditions: Conditions) -> Reduction:
         fixed[rotations] = True
         for unknowns, values in zip(conditions.rotations, conditions.rotation_values, strict=True):
             given[unknowns] = values
+        _require_one_rotation(surface, conditions, given)
     following = None
     if conditions.groups:
         given, following = follow_rigid(surface, conditions.groups, nodes[rank == 3], rotations, given)
@@ -91,6 +93,19 @@ def free_motions(surface: Surface, conditions: Conditions) -> Reduction:
     basis_matrix.eliminate_zeros()
     staying = rotations if following is None else np.setdiff1d(rotations, following.rotations)
     return Reduction(basis_matrix, given, staying, following)
+
+
+def _require_one_rotation(surface: Surface, conditions: Conditions, given: Floats) -> None:
+    """Raise InputError where conditions prescribe different rotations of the same edge."""
+    unknowns, values = np.concatenate(conditions.rotations), np.concatenate(conditions.rotation_values)
+    miss = np.abs(given[unknowns] - values)
+    if miss.max() > 1e-6 * np.abs(values).max(initial=0.0):
+        number = int(unknowns[int(miss.argmax())]) - surface.rotation_start
+        ends = surface.mesh.edges[surface.rotation_owner[number // surface.order]]
+        where = place(surface.nodes[ends].mean(axis=0))
+        raise InputError(
+            f"supports prescribe different rotations of the edge at {where}: hold the rotation once there"
+        )
 
 
 def _by_node(surface: Surface, conditions: Conditions) -> tuple[NDArray, Floats, NDArray, Floats]:

@@ -151,15 +151,24 @@ def edge_moment(surface: Surface, value: Value, edges: ArrayLike) -> Floats:
 
     Positive puts the top, the side of the normal, in tension.
     """
-    edges = np.atleast_1d(np.asarray(edges, dtype=np.int64))
     _, _, weight, points = edge_table(surface, edges, surface.order)
-    triangle, local = surface.mesh.edge_owner[edges].T
-    p = surface.order
-    place = p * local[:, None] + np.arange(p)
-    moment = evaluate(value, points, 1) * weight * surface.edge_sign[triangle, local][:, None]
+    unknowns, sign = edge_rotations(surface, edges)
     result = np.zeros(surface.unknowns)
-    np.add.at(result, surface.rotation_start + surface.triangle_rotations[triangle[:, None], place], moment)
+    np.add.at(result, unknowns, evaluate(value, points, 1) * weight * sign)
     return result
+
+
+def edge_rotations(surface: Surface, edges: ArrayLike) -> tuple[NDArray, Floats]:
+    """Rotations of edges in the order of the points of `edge_table` (edge, order), of as many points.
+
+    Returns
+    -------
+    unknowns (edge, order), and signs (edge, 1): 1 where they are positive as a positive edge moment turns
+    """
+    triangle, local = surface.mesh.edge_owner[np.atleast_1d(np.asarray(edges, dtype=np.int64))].T
+    place = surface.order * local[:, None] + np.arange(surface.order)
+    unknowns = surface.rotation_start + surface.triangle_rotations[triangle[:, None], place]
+    return unknowns, surface.edge_sign[triangle, local][:, None]
 
 
 def point_force(surface: Surface, node: int, value: ArrayLike) -> Floats:
