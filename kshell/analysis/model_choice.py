@@ -20,11 +20,13 @@ from kshell.mesh.facing import top_words
 from kshell.mesh.words import shown
 from kshell.scene.loads import exceeds
 from kshell.scene.options import SolveOptions
-from kshell.scene.structure import Structure
-from kshell.scene.supports import Hinge, RigidLink
-from kshell.shell.limits import THINNEST, what_they_smooth
+from kshell.scene.structure import Placed, Structure
+from kshell.scene.supports import Elastic, Hinge, RigidLink, Support
+from kshell.shell.chart.lines import large_across_lines
+from kshell.shell.limits import THINNEST, USE_KOITER
 from kshell.solvers.memory import SHARE, available_bytes
 from kshell.values.naming import listing
+from kshell.values.varying import is_constant
 
 # up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
 ARGYRIS_UP_TO = 100_000
@@ -293,9 +295,12 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
 
 def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:
     if options.element == "argyris":
+        across = large_across_lines(structure) if _finite(options) else ""
+        if across:
+            raise InputError(f'element = "argyris": {across}: {USE_KOITER}, or leave element out')
         return ModelChoice("shell", "argyris", 5, (why, "element argyris: as asked for"))
     thickness, size = _largest_thickness(structure), _size_on_chart(structure)
-    beyond = _beyond_argyris(structure)
+    beyond = _beyond_argyris(structure, options)
     if thickness >= THINNEST * size and not beyond:
         reason = (
             "element argyris: the chart is smooth and not very thin, so quintics need the fewest unknowns"
@@ -306,19 +311,33 @@ def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelCho
     return ModelChoice("shell", "koiter", order, (why, f"element koiter: {what}", reason))
 
 
-def _beyond_argyris(structure: Structure) -> str:
+def _finite(options: SolveOptions) -> bool:
+    """Whether the analysis goes beyond the linear solution."""
+    return options.large_asked or options.prestress or options.analysis in ("buckling", "dynamic")
+
+
+def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
     if structure.imperfection is not None:
         return "the imperfection moves its nodes"
     for held in structure.supports:
-        if isinstance(held.item, Hinge | RigidLink):
+        if isinstance(held.item, Hinge | RigidLink) or _held_by_koiter_only(held):
             return f"{held.item} needs it"
         if held.item.rotation is not None:
             return f"{held.item} prescribes a rotation"
     for placed in structure.loads:
         if getattr(placed.item, "follower", False):
             return f"{placed.item} needs it"
-    return what_they_smooth(structure)
+    return large_across_lines(structure) if _finite(options) else ""
+
+
+def _held_by_koiter_only(held: Placed[Support]) -> bool:
+    """Surfaces that may not turn though they move, or that move by different amounts."""
+    support = held.item
+    if held.place is None or held.place.dimension != 2 or isinstance(support, Elastic):
+        return False
+    turned = "r" in support.freedoms and not set("xyz") <= set(support.freedoms)
+    return turned or (support.value is not None and not is_constant(support.value))
 
 
 def _largest_thickness(structure: Structure) -> float:

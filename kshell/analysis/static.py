@@ -92,8 +92,12 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
             solved = model.solve(options.solver)
             if options.large_deflection == "auto":
                 indicator = indicate(model, solved.own, TOLERANCE)
+        matters = indicator is not None and indicator.matters
+        if matters and model.small_only and options.element == "auto":
+            return _other_element(model, run)
         linked = next((p.item for p in model.structure.supports if isinstance(p.item, RigidLink)), None)
-        if solved is None or (indicator is not None and indicator.matters and linked is None):
+        limited = f"{linked} has small turns only" if linked is not None else model.small_only
+        if solved is None or (matters and not limited):
             trace = grow_load(model, run)
     with run.clock.stage("recover"):
         if trace is not None:
@@ -110,7 +114,7 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
         described(result, model, run, reasons, _solver(solved), large=False)
         if indicator is not None and indicator.matters:
             result.warnings.append(
-                f"{indicator.words()}, but {linked} has small turns only: the answer is linear all the same; "
+                f"{indicator.words()}, but {limited}: the answer is linear all the same; "
                 "large_deflection = false keeps it without this warning"
             )
         return Answered(result, model, solved)
@@ -119,6 +123,15 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
             f"{trace.failure}. {indicator.words()}; large_deflection = false answers with the linear solution"
         )
     return Answered(described_trace(model, run, result, trace, reasons), model, trace.states[-1])
+
+
+def _other_element(model: FiniteModel, run: Run) -> Answered:
+    """The answer of Koiter elements, which have large deflections of everything."""
+    again = run.with_options(element="koiter")
+    answered = answer_once(again.model(), again)
+    reasons = [words for words in answered.result.model["reasons"] if not words.startswith("element ")]
+    answered.result.model["reasons"] = [f"element koiter: {model.small_only}", *reasons]
+    return answered
 
 
 _LINEAR = "linear: only small deflections are computed"

@@ -213,9 +213,12 @@ class FiniteModel(Model):
     ----------
     frame : str
         The axes of tensors in its results.
+    small_only : str
+        Why it is for small deflections of this structure only, in words; empty where it is not.
     """
 
     frame: str
+    small_only: str = ""
 
     @abstractmethod
     def equilibrium(self) -> Problem:

@@ -17,11 +17,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
-from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.mesh.fans import fans_between
+from kshell.mesh.mesh import Mesh
 from kshell.plate.domain import Domain
 from kshell.scene.lines import InnerLines
 
@@ -74,7 +73,7 @@ def make_fans(domain: Domain, lines: InnerLines) -> Fans:
     at_end[ends] = True
     cut = np.repeat(lines.jump[:, None], 2, axis=1) | at_end[mesh.edges]  # (edge, end)
     cut &= (mesh.edge_counts > 1)[:, None]
-    corner, vertex = _numbered(mesh, cut)
+    corner, vertex = fans_between(mesh, cut)
     tied, tangent = _ties(domain, cut, corner)
     return Fans(corner, vertex, tied, tangent, ends, len(mesh.points))
 
@@ -106,45 +105,6 @@ def _ends(domain: Domain, lines: InnerLines) -> Ints:
 
 def _all_go_on(directions: Floats) -> bool:
     return bool(((directions @ directions.T).min(axis=1) < -STRAIGHT_ON).all())
-
-
-def _numbered(mesh: Mesh, cut: Flags) -> tuple[Ints, Ints]:
-    """Fan of each corner, and vertex of each fan."""
-    corner, vertex = mesh.triangles.astype(np.int64, order="C"), np.arange(len(mesh.points))
-    touched = np.zeros(len(mesh.points), dtype=bool)
-    touched[mesh.edges[cut]] = True
-    triangles = np.flatnonzero(touched[mesh.triangles].any(axis=1))
-    if not len(triangles):
-        return corner, vertex
-    # corners (3 t + c) are joined across the edges at their vertex that are not cut there
-    sides: dict[tuple[int, int], int] = {}
-    first, second = [], []
-    for t in triangles.tolist():
-        for k, local in enumerate(EDGE_VERTICES.tolist()):
-            e = int(mesh.triangle_edges[t, k])
-            for c in local:
-                v = int(mesh.triangles[t, c])
-                if not touched[v] or cut[e, int(mesh.edges[e, 1] == v)]:
-                    continue
-                other = sides.setdefault((e, v), 3 * t + c)
-                if other != 3 * t + c:
-                    first.append(other)
-                    second.append(3 * t + c)
-    size = 3 * len(mesh.triangles)
-    graph = sp.csr_matrix((np.ones(len(first)), (first, second)), shape=(size, size))
-    label = connected_components(graph, directed=False)[1]
-    at = np.flatnonzero(touched[mesh.triangles.ravel()])
-    # fans in the order of their first corners; the first of each vertex has the vertex's number
-    _, where, inverse = np.unique(label[at], return_index=True, return_inverse=True)
-    of_fan = mesh.triangles.ravel()[at[where]].astype(np.int64)
-    order = np.argsort(where, kind="stable")
-    is_first = np.zeros(len(where), dtype=bool)
-    is_first[order[np.unique(of_fan[order], return_index=True)[1]]] = True
-    number = of_fan.copy()
-    further = order[~is_first[order]]
-    number[further] = len(vertex) + np.arange(len(further))
-    corner.reshape(-1)[at] = number[inverse]
-    return corner, np.concatenate([vertex, of_fan[further]])
 
 
 def _ties(domain: Domain, cut: Flags, corner: Ints) -> tuple[Ints, Floats]:

@@ -50,6 +50,10 @@ class Conditions(ABC):
     def reduction(self) -> Reduction:
         """The motions left."""
 
+    def alone(self) -> Reduction:
+        """The motions that these conditions by themselves leave, for reactions."""
+        return self.reduction()
+
 
 class Discretisation(ABC):
     """Unknowns of a surface and what is done with them.
@@ -75,6 +79,10 @@ class Discretisation(ABC):
     @abstractmethod
     def energy(self, section: Section) -> StrainEnergy:
         """The energy with a cross-section."""
+
+    def warnings(self) -> list[str]:
+        """What the user should know about it."""
+        return []
 
     @abstractmethod
     def conditions(self) -> Conditions:

@@ -13,7 +13,7 @@ from functools import cache, partial
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import cg
+from scipy.sparse.linalg import LinearOperator, lsqr, splu
 
 from kshell.equilibrium.linear import LinearSolution
 from kshell.equilibrium.reduction import Reduction
@@ -52,6 +52,7 @@ def find_reactions(
     about_origin = discretisation.rigid_motions(np.zeros(3), 1.0, moved)
     centre, size = discretisation.extent()
     scaled = discretisation.rigid_motions(centre, size, moved)
+    sizes = discretisation.unknown_sizes()
     springs = [
         (group.label, -(group.spring @ solution.x)) for group in supports.groups if group.spring is not None
     ]
@@ -61,7 +62,7 @@ def find_reactions(
     @cache
     def groups() -> dict[str, dict[str, Floats]]:
         out: dict[str, dict[str, Floats]] = {}
-        for label, forces in [*_shared(supports, solution.forces), *springs]:
+        for label, forces in [*_shared(supports, solution.forces, sizes), *springs]:
             total = about_origin.T @ forces
             entry = out.setdefault(label, {"force": np.zeros(3), "moment": np.zeros(3)})
             entry["force"] = entry["force"] + total[:3]
@@ -86,17 +87,46 @@ def _entry(groups: Callable[[], dict[str, dict[str, Floats]]], label: str) -> di
     return groups()[label]
 
 
-def _shared(supports: ShellSupports, forces: Floats) -> list[tuple[str, Floats]]:
+def _shared(supports: ShellSupports, forces: Floats, sizes: Floats) -> list[tuple[str, Floats]]:
     held = [group for group in supports.groups if group.conditions is not None]
     if not held:
         return []
-    projectors = [_projector(group.conditions.reduction()) for group in held]
-    total = sum(projectors[1:], projectors[0]).tocsr()
-    multiplier = forces
-    if len(held) > 1:  # the share is P G^+ r; G has few different eigenvalues, so a handful of steps do
-        untouched = np.asarray(abs(total).sum(axis=1)).ravel() == 0.0
-        multiplier, _ = cg(total, np.where(untouched, 0.0, forces), rtol=1e-13, maxiter=200)
-    return [(group.label, p @ multiplier) for group, p in zip(held, projectors, strict=True)]
+    if len(held) == 1:
+        return [(held[0].label, _projector(held[0].conditions.alone()) @ forces)]
+    # unknowns of one size, so that what is held twice is shared alike in any units
+    onto = [_onto_held(group.conditions.alone(), sizes) for group in held]
+    touched = np.any([t for _, t in onto], axis=0)
+    scaled = np.where(touched, sizes * forces, 0.0)
+
+    # the share is P G^+ r; G, the sum of all P, has few different eigenvalues, so a handful of steps do
+    def total(f: Floats) -> Floats:
+        return np.asarray(np.sum([project(f) for project, _ in onto], axis=0))
+
+    shape = (len(forces), len(forces))
+    operator = LinearOperator(shape, matvec=total, rmatvec=total, dtype=float)
+    multiplier = lsqr(operator, scaled, atol=1e-14, btol=1e-14, iter_lim=200)[0]
+    return [(group.label, p(multiplier) / sizes) for group, (p, _) in zip(held, onto, strict=True)]
+
+
+def _onto_held(reduction: Reduction, sizes: Floats) -> tuple[Callable[[Floats], Floats], NDArray[np.bool_]]:
+    """The orthogonal projector onto what conditions hold, of forces on unknowns divided by sizes; those it touches.
+
+    I - B (B^T B)^-1 B^T with the basis B of what they leave; almost everywhere it is the identity.
+    """
+    basis = (sp.diags(1.0 / sizes) @ reduction.basis).tocsr()
+    touched = ~_free(reduction.basis.tocsr())
+    some = basis[touched]
+    columns = np.flatnonzero(np.diff(some.tocsc().indptr))
+    some = some[:, columns].tocsc()
+    solve = splu((some.T @ some).tocsc()).solve if len(columns) else None
+
+    def project(forces: Floats) -> Floats:
+        out = np.zeros(len(forces))
+        mine = forces[touched]
+        out[touched] = mine if solve is None else mine - some @ solve(some.T @ mine)
+        return out
+
+    return project, touched
 
 
 def _projector(reduction: Reduction) -> sp.csr_matrix:
@@ -109,8 +139,12 @@ def _projector(reduction: Reduction) -> sp.csr_matrix:
         out.data[np.abs(out.data) < ORTHONORMAL] = 0.0
         out.eliminate_zeros()
         return out.tocsr()
-    # free unknowns are themselves, and nothing else follows them
+    return sp.diags((~_free(basis)).astype(float)).tocsr()
+
+
+def _free(basis: sp.csr_matrix) -> NDArray[np.bool_]:
+    """Unknowns that are themselves, and that nothing else follows."""
     alone = np.diff(basis.tocsc().indptr) == 1
     free = np.diff(basis.indptr) == 1
     free[free] = (basis[free].data == 1.0) & alone[basis[free].indices]
-    return sp.diags((~free).astype(float)).tocsr()
+    return np.asarray(free)

@@ -114,6 +114,10 @@ class LinkConditions:
         """Everything but the link."""
         return self.link.reduction(self.unknowns)
 
+    def alone(self) -> Reduction:
+        """The same; nothing else is tied."""
+        return self.reduction()
+
 
 def with_links(reduction: Reduction, links: list[Link]) -> Reduction:
     """The motions left by supports and rigid links.

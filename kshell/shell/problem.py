@@ -23,7 +23,6 @@ from kshell.scene.lines import shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.held import require_held
-from kshell.shell.limits import what_they_smooth
 from kshell.shell.links import SMALL_ONLY, with_links
 from kshell.shell.loads import ShellLoads, apply_loads
 from kshell.shell.section import Section as Stiffness
@@ -205,12 +204,7 @@ class ShellProblem:
         out = [*self.supports.warnings, *self.loads.warnings]
         out += shape_warnings(self.space, self.discretisation, self.section)
         out += self._axes_warnings()
-        smoothed = what_they_smooth(self.structure) if self.discretisation.name == "argyris" else ""
-        if smoothed:
-            out.append(
-                f"{smoothed}, which Argyris functions on a chart smooth out: forces and moments there are wrong by up "
-                'to the jump, and refinement does not help; take element = "koiter", or "auto"'
-            )
+        out += self.discretisation.warnings()
         still = not np.any(self.load) and self.loads.initial is None
         if still and not np.any(self.reduction.given):
             out.append("there is no load and no prescribed motion: the deflection is zero")

@@ -16,7 +16,9 @@ from kshell.shell.chart import loads as chart_loads
 from kshell.shell.chart.edges import vertex_sizes
 from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.initial import initial_strain
+from kshell.shell.chart.lines import doubtful
 from kshell.shell.chart.matrices import chart_foundation
+from kshell.shell.chart.nodes import Flags
 from kshell.shell.chart.recovery import ChartRecovery, principal_curvature
 from kshell.shell.chart.supports import ChartSupports
 from kshell.shell.chart.surface import ChartLike, ChartSurface, jets_of_basis
@@ -41,6 +43,8 @@ class ArgyrisDiscretisation(Discretisation):
     mesh : Mesh
         In the parameter plane.
     chart : Chart
+    lines : (edge,) flags, optional
+        Edges inside across which strains may jump.
 
     Attributes
     ----------
@@ -54,7 +58,7 @@ class ArgyrisDiscretisation(Discretisation):
     order = 5
     loads = chart_loads
 
-    def __init__(self, mesh: Mesh, chart: ChartLike) -> None:
+    def __init__(self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None) -> None:
         if mesh.midpoints is not None:
             straight = mesh.points[mesh.edges].mean(axis=1)
             if np.abs(mesh.midpoints - straight).max() > 1e-9 * mesh.size:
@@ -62,7 +66,7 @@ class ArgyrisDiscretisation(Discretisation):
                     f"{mesh.source}: edges of the parameter mesh are curved (order 2), the Argyris element on a chart "
                     f"takes straight ones: mesh with order 1, or {USE_KOITER}"
                 )
-        self.surface = ChartSurface(mesh, chart)
+        self.surface = ChartSurface(mesh, chart, lines)
         self.unknowns = self.surface.unknowns
 
     def energy(self, section: Section) -> ChartKoiter:
@@ -72,6 +76,11 @@ class ArgyrisDiscretisation(Discretisation):
     def initial_strain(self, energy: ChartKoiter, state: StressFree, triangles: Ints) -> Floats:
         """The strains of triangles in a state free of stress."""
         return initial_strain(energy, state, triangles)
+
+    def warnings(self) -> list[str]:
+        """Of lines inside that end, turn or are curved."""
+        doubt = doubtful(self.surface.nodes, self._vertices()[0])
+        return [f"{doubt}: values near it depend on the mesh; refine it there"] if doubt else []
 
     def conditions(self) -> ArgyrisConditions:
         """Empty conditions on the motion."""
@@ -131,28 +140,29 @@ class ArgyrisDiscretisation(Discretisation):
         normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
         slopes = self.surface.chart.derivatives(*ends.mean(axis=1).T, order=1)[1]
         across = np.einsum("ea,eax->ex", normal, slopes) / size
-        result = np.zeros((self.unknowns, 6))
-        at_vertices = 18 * len(mesh.points)
+        nodes = self.surface.nodes
+        arms = nodes.spread(jets, across)
         if moved is not None:
-            jets = jets + moved[:at_vertices].reshape(jets.shape) / size
-            across = across + moved[at_vertices:].reshape(across.shape) / size
+            arms = arms + moved.reshape(arms.shape) / size
+        value = np.zeros((len(mesh.points), 6))
+        value[:, 0] = 1.0
+        result = np.zeros((self.unknowns, 6))
         for axis in range(3):
-            result[axis:at_vertices:18, axis] = 1.0
-            e = np.eye(3)[axis]
-            result[:at_vertices, 3 + axis] = np.cross(e, jets).ravel()
-            result[at_vertices:, 3 + axis] = np.cross(e, across).ravel()
+            result[axis::3, axis] = nodes.spread(value, np.zeros(len(mesh.edges)))
+            result[:, 3 + axis] = np.cross(np.eye(3)[axis], arms).ravel()
         return result
 
     def unknown_sizes(self) -> Floats:
         """(unknowns,) 1 of displacements, 1 / h and 1 / h^2 of derivatives, h the parameter length of edges."""
         mesh = self.surface.mesh
         at_vertices = vertex_sizes(mesh)[:, None] ** -np.array([0.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-        return np.repeat(np.concatenate([at_vertices.ravel(), 1.0 / mesh.edge_lengths]), 3)
+        return np.repeat(self.surface.nodes.spread(at_vertices, 1.0 / mesh.edge_lengths), 3)
 
     def vertex_of_unknown(self) -> Ints:
         """(unknowns,) the vertex of each unknown, one end for those of edges."""
         mesh = self.surface.mesh
-        return np.concatenate([np.repeat(np.arange(len(mesh.points)), 18), np.repeat(mesh.edges[:, 0], 3)])
+        at_vertices = np.repeat(np.arange(len(mesh.points))[:, None], 6, axis=1)
+        return np.repeat(self.surface.nodes.spread(at_vertices, mesh.edges[:, 0]), 3)
 
     def translation_row(self, triangle: int, xi: Floats, axis: int) -> Floats:
         """(unknowns,) whose product with x is a component of the displacement at a reference point (2,)."""
@@ -251,12 +261,13 @@ class ArgyrisConditions(Conditions):
         require_no_point(chosen, what)
         if value is not None:
             raise InputError(f"{what}: a prescribed rotation is for Koiter elements: {USE_KOITER}")
-        if chosen.dimension == 2:
+        if chosen.dimension == 1:
+            self.kernel.rotation(chosen.members)
+        elif not self.kernel.at_rest(chosen.members):  # what is at rest does not turn
             raise InputError(
                 f"{what}: the smooth functions of Argyris elements on a chart would not bend at all if no edge of a "
-                f"surface may turn: hold the rotation on curves, or {USE_KOITER}"
+                f"surface may turn: hold its translations, too, hold the rotation on curves, or {USE_KOITER}"
             )
-        self.kernel.rotation(chosen.members)
 
     def symmetry(self, edges: Ints) -> None:
         """A plane of symmetry through edges."""
@@ -265,3 +276,7 @@ class ArgyrisConditions(Conditions):
     def reduction(self) -> Reduction:
         """The motions left."""
         return self.kernel.reduction()
+
+    def alone(self) -> Reduction:
+        """The motions that supports leave where nothing ties the sides of lines that they do not touch."""
+        return self.kernel.reduction(tied=False)

@@ -18,6 +18,9 @@ from kshell.shell.evaluate import OfPlace
 
 Floats = NDArray[np.float64]
 
+# positions of the second derivatives uu, uv, vv among the unknowns of a vertex
+SECOND = np.array([[3, 4], [4, 5]])
+
 
 def vertex_sizes(mesh: Mesh) -> Floats:
     """(vertex,) mean length of the edges at each vertex."""
@@ -25,12 +28,21 @@ def vertex_sizes(mesh: Mesh) -> Floats:
     return np.asarray(total / np.bincount(mesh.edges.ravel(), minlength=len(mesh.points)))
 
 
-def edge_ends(mesh: Mesh, edges: ArrayLike) -> list[tuple[NDArray, Floats]]:
-    """For both ends of edges: vertices and the directions T."""
-    ends = mesh.edges[np.atleast_1d(np.asarray(edges, dtype=np.int64))]
+def edge_ends(surface: ChartSurface, edges: ArrayLike) -> list[tuple[NDArray, NDArray, Floats]]:
+    """For both ends of edges, on both sides of lines: vertices, their fans there, and the directions T."""
+    mesh, nodes = surface.mesh, surface.nodes
+    edges = np.atleast_1d(np.asarray(edges, dtype=np.int64))
+    ends = mesh.edges[edges]
     t = mesh.points[ends[:, 1], :2] - mesh.points[ends[:, 0], :2]
     t = t / np.linalg.norm(t, axis=1, keepdims=True)
-    return [(ends[:, 0], t), (ends[:, 1], t)]
+    first, second = nodes.fans_at(edges, 0), nodes.fans_at(edges, 1)
+    out = []
+    for end in range(2):
+        out.append((ends[:, end], first[:, end], t))
+        other = np.flatnonzero(first[:, end] != second[:, end])
+        if len(other):
+            out.append((ends[other, end], second[other, end], t[other]))
+    return out
 
 
 def across(chart: ChartLike, uv: Floats, t: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats]:
@@ -59,7 +71,7 @@ def main_conormal(surface: ChartSurface, edges: ArrayLike) -> Floats:
     """(3,) the unit direction in the surface across edges, in the mean."""
     mesh = surface.mesh
     conormals = np.concatenate(
-        [across(surface.chart, mesh.points[v, :2], t)[4] for v, t in edge_ends(mesh, edges)]
+        [across(surface.chart, mesh.points[v, :2], t)[4] for v, _, t in edge_ends(surface, edges)]
     )
     return np.linalg.svd(conormals, full_matrices=False)[2][0]
 
@@ -71,6 +83,17 @@ def coefficients_along(t: Floats) -> list[Floats]:
     first[:, 1:3] = t
     second[:, 3], second[:, 4], second[:, 5] = t[:, 0] ** 2, 2 * t[:, 0] * t[:, 1], t[:, 1] ** 2
     return [value, first, second]
+
+
+def coefficients_across(t: Floats, m: Floats, m_t: Floats, c: Floats, c_t: Floats) -> list[Floats]:
+    """Coefficients (n, 6, 3) of c . u,m and its derivative along the edge; c (n, 3) has the derivative c_t."""
+    rate, slope = np.zeros((2, len(t), 6, 3))
+    rate[:, 1:3] = m[:, :, None] * c[:, None]
+    slope[:, 1:3] = m[:, :, None] * c_t[:, None] + m_t[:, :, None] * c[:, None]
+    for a in range(2):
+        for b in range(2):
+            slope[:, SECOND[a, b]] += (m[:, a] * t[:, b])[:, None] * c
+    return [rate, slope]
 
 
 def along_edge(

@@ -151,8 +151,6 @@ class ChartKoiter(StrainEnergy):
     @cached_property
     def sparsity(self) -> Sparsity:
         """Pattern of all matrices of this surface."""
-        mesh = self.surface.mesh
-        groups = np.concatenate([mesh.triangles, len(mesh.points) + mesh.triangle_edges], axis=1)
-        sizes = np.repeat([18, 3], [len(mesh.points), len(mesh.edges)])
+        groups, sizes = self.surface.nodes.groups
         scalar = np.concatenate([np.repeat(np.arange(3), 6), [3, 4, 5]])
-        return Sparsity(groups, sizes, self.surface.triangle_unknowns, np.tile(scalar, 3))
+        return Sparsity(groups, 3 * sizes, self.surface.triangle_unknowns, np.tile(scalar, 3))

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kshell.errors import InputError
+from kshell.scene.lines import shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.chart.discretisation import ArgyrisDiscretisation
+from kshell.shell.chart.lines import large_across_lines
 from kshell.shell.limits import USE_KOITER
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
@@ -34,5 +36,6 @@ class ChartModel(ShellModel):
             raise InputError(
                 f"support hinge: Argyris functions on a chart are smooth, so there are no hinges: {USE_KOITER}"
             )
-        discretisation = ArgyrisDiscretisation(structure.parameters, structure.chart)
+        discretisation = ArgyrisDiscretisation(structure.parameters, structure.chart, shell_lines(structure))
         super().__init__(ShellProblem(structure, discretisation), reasons)
+        self.small_only = large_across_lines(structure)

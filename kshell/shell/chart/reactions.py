@@ -44,11 +44,12 @@ def chart_resultant(
     t = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
     _, slope = chart.derivatives(*(0.5 * (a + b)).T, order=1)
     at_edges = t[:, 1:] * slope[:, 0] - t[:, :1] * slope[:, 1]  # along the normal of kshell.elements.affine
-    f = forces.reshape(-1, 3)
-    on_vertices, on_edges = f[: 6 * count].reshape(count, 6, 3), f[6 * count :]
-    if vertices is not None:
-        on_vertices, at_vertices = on_vertices[vertices], at_vertices[vertices]
-    if edges is not None:
-        on_edges, at_edges = on_edges[edges], at_edges[edges]
-    moment = np.cross(at_vertices, on_vertices).sum(axis=(0, 1)) + np.cross(at_edges, on_edges).sum(axis=0)
-    return on_vertices[:, 0].sum(axis=0), moment
+    chosen = [np.zeros((count, 6, 1), dtype=bool), np.zeros((len(mesh.edges), 1), dtype=bool)]
+    for flags, members in zip(chosen, (vertices, edges), strict=True):
+        flags[slice(None) if members is None else members] = True
+    nodes = surface.nodes
+    f = forces.reshape(-1, 3) * nodes.spread(*chosen)
+    lift = np.zeros((count, 6, 1))
+    lift[:, 0] = 1.0
+    moment = np.cross(nodes.spread(at_vertices, at_edges), f).sum(axis=0)
+    return (nodes.spread(lift, np.zeros((len(mesh.edges), 1))) * f).sum(axis=0), moment

@@ -20,6 +20,7 @@ from kshell.errors import InputError
 from kshell.shell.chart.edges import (
     across,
     along_edge,
+    coefficients_across,
     coefficients_along,
     edge_ends,
     main_conormal,
@@ -36,8 +37,6 @@ Floats = NDArray[np.float64]
 
 # step of differences of prescribed values, in the edge length
 STEP = 0.02
-# positions of the second derivatives uu, uv, vv among the unknowns of a vertex
-SECOND = np.array([[3, 4], [4, 5]])
 
 
 class ChartSupports:
@@ -46,15 +45,17 @@ class ChartSupports:
     def __init__(self, surface: ChartSurface) -> None:
         self.surface = surface
         self._conditions = Conditions()
+        # (triangle, 3, 3) projectors onto the directions in which triangles are held as a whole, summed
+        self._whole = np.zeros((len(surface.mesh.triangles), 3, 3))
 
     def along(self, edges: ArrayLike, direction: ArrayLike, value: float = 0.0) -> None:
         """Prescribe the translation of edges along a direction, constant along each edge."""
         c = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
-        for vertices, t in edge_ends(self.surface.mesh, edges):
+        for vertices, fans, t in edge_ends(self.surface, edges):
             for coefficients in coefficients_along(t):
                 rows = np.einsum("nk,x->nkx", coefficients, c).reshape(len(vertices), 18)
                 first = coefficients[0, 0] != 0.0  # the value itself; its derivatives along the edge vanish
-                self._conditions.add(vertices, rows, np.full(len(vertices), value if first else 0.0))
+                self._conditions.add(fans, rows, np.full(len(vertices), value if first else 0.0))
 
     def at_vertices(self, vertices: ArrayLike, direction: ArrayLike, value: OfPlace) -> None:
         """Prescribe the translation of vertices along a unit direction, `value` of their places (n, 3)."""
@@ -69,11 +70,11 @@ class ChartSupports:
         The quintic along an edge takes the value and its first two derivatives from its ends.
         """
         steps = STEP * vertex_sizes(self.surface.mesh)
-        for vertices, t in edge_ends(self.surface.mesh, edges):
+        for vertices, fans, t in edge_ends(self.surface, edges):
             prescribed = along_edge(self.surface, vertices, t, steps[vertices], value)
             for coefficients, right in zip(coefficients_along(t), prescribed, strict=True):
                 rows = np.einsum("nk,x->nkx", coefficients, np.asarray(direction)).reshape(len(vertices), 18)
-                self._conditions.add(vertices, rows, right)
+                self._conditions.add(fans, rows, right)
 
     def over_triangles(self, triangles: NDArray, direction: ArrayLike, value: OfPlace) -> None:
         """Prescribe the translation of the whole shell along a unit direction, the same at all places.
@@ -81,12 +82,12 @@ class ChartSupports:
         Raises
         ------
         InputError
-            If the value varies, or if the triangles are a part of the shell: second derivatives are continuous at
-            vertices, so holding them on one side of a border bends the shell on the other side wrongly.
+            If the value varies, or if the triangles are a part of the shell whose border is no line of the surface:
+            second derivatives are continuous there, so holding them on one side bends the other side wrongly.
         """
         mesh = self.surface.mesh
         inside = np.bincount(mesh.triangle_edges[triangles].ravel(), minlength=len(mesh.edges))
-        border = np.flatnonzero((inside > 0) & (inside < mesh.edge_counts))
+        border = np.flatnonzero((inside > 0) & (inside < mesh.edge_counts) & ~self.surface.nodes.lines)
         if len(border):
             at = mesh.points[mesh.edges[border[0]]].mean(axis=0)
             raise InputError(
@@ -94,7 +95,11 @@ class ChartSupports:
                 f"impose on the rest across its border, e.g. at (u, v) = ({at[0]:.6g}, {at[1]:.6g}): hold the border "
                 f"curve and leave that part out of the mesh, or {USE_KOITER}"
             )
-        vertices = np.unique(mesh.triangles[triangles])
+        along = np.asarray(direction, dtype=float)
+        self._whole[triangles] += np.outer(along, along)
+        nodes = self.surface.nodes
+        fans = np.unique(nodes.corner[triangles])
+        vertices = nodes.vertex[fans]
         values = value(self._places(vertices))
         if np.ptp(values) > 1e-12 * np.abs(values).max():
             raise InputError(
@@ -104,12 +109,13 @@ class ChartSupports:
         for k in range(6):
             rows = np.zeros((len(vertices), 6, 3))
             rows[:, k] = direction
-            self._conditions.add(
-                vertices, rows.reshape(-1, 18), values if k == 0 else np.zeros(len(vertices))
-            )
-        self._conditions.slopes.append(
-            (np.unique(mesh.triangle_edges[triangles]), np.asarray(direction)[None])
-        )
+            self._conditions.add(fans, rows.reshape(-1, 18), values if k == 0 else np.zeros(len(vertices)))
+        for edges, side in nodes.sides_in(triangles):
+            self._conditions.slopes.append((edges, side, np.asarray(direction)[None]))
+
+    def at_rest(self, triangles: NDArray) -> bool:
+        """Whether triangles are held as a whole in all directions."""
+        return bool(np.linalg.eigvalsh(self._whole[triangles])[:, 0].min() > 1e-6)
 
     def rotation(self, edges: ArrayLike, directions: ArrayLike | None = None) -> None:
         """No rotation about edges: n . u,m = 0, or c . u,m = 0 for every row c of `directions` (k, 3).
@@ -118,20 +124,16 @@ class ChartSupports:
         """
         edges = np.atleast_1d(np.asarray(edges, dtype=np.int64))
         fixed = None if directions is None else np.asarray(directions, dtype=float)
-        for vertices, t in edge_ends(self.surface.mesh, edges):
+        for vertices, fans, t in edge_ends(self.surface, edges):
             n, n_t, m, m_t, _ = across(self.surface.chart, self.surface.mesh.points[vertices, :2], t)
             still = [] if fixed is None else [np.broadcast_to(c, n.shape) for c in fixed]
             for c, c_t in [(n, n_t)] if fixed is None else [(c, np.zeros_like(n)) for c in still]:
-                rows = np.zeros((len(vertices), 6, 3))
-                rows[:, 1:3] = m[:, :, None] * c[:, None]
-                self._conditions.add(vertices, rows.reshape(-1, 18), np.zeros(len(vertices)))
-                rows = np.zeros((len(vertices), 6, 3))
-                rows[:, 1:3] = m[:, :, None] * c_t[:, None] + m_t[:, :, None] * c[:, None]
-                for a in range(2):
-                    for b in range(2):
-                        rows[:, SECOND[a, b]] += (m[:, a] * t[:, b])[:, None] * c
-                self._conditions.add(vertices, rows.reshape(-1, 18), np.zeros(len(vertices)))
-        self._conditions.slopes.append((edges, fixed))
+                for rows in coefficients_across(t, m, m_t, c, c_t):
+                    self._conditions.add(fans, rows.reshape(-1, 18), np.zeros(len(vertices)))
+        for side in range(2):
+            chosen = edges if side == 0 else edges[self.surface.nodes.lines[edges]]
+            if len(chosen):
+                self._conditions.slopes.append((chosen, side, fixed))
 
     def translation(self, edges: ArrayLike, axes: str = "xyz", value: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Prescribe components, named by letters, of the displacement `value` (3,) along edges."""
@@ -173,9 +175,9 @@ class ChartSupports:
         for direction in within(axis):
             self.along(edges, direction)
 
-    def reduction(self) -> Reduction:
+    def reduction(self, tied: bool = True) -> Reduction:
         """The motions left. See `free_motions`."""
-        return free_motions(self.surface, self._conditions)
+        return free_motions(self.surface, self._conditions, tied)
 
     def _plane(
         self, edges: ArrayLike, what: str, normal: ArrayLike | None, line: Callable[[], Floats] | None

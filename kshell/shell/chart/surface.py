@@ -6,7 +6,8 @@ plain second derivative. On each triangle everything is expressed in its referen
 the derivatives of the basis are constant tables, times the transformation M of the triangle.
 
 Unknown 3 i + m is component m of the scalar degree of freedom i: value, d/du, d/dv, d2/du2, d2/dudv,
-d2/dv2 at each vertex (i = 6 vertex + k), then the derivative along the edge normal at each edge midpoint.
+d2/dv2 at each vertex (i = 6 vertex + k), then the derivative along the edge normal at each edge midpoint. Behind them
+come those of the further fans of vertices and of the second sides of edges beside lines inside, see `nodes.py`.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from kshell.elements.quadrature import triangle_rule
 from kshell.elements.reference import VERTICES
 from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
+from kshell.shell.chart.nodes import Flags, Nodes
 from kshell.shell.vectors import cross, norm
 
 Floats = NDArray[np.float64]
@@ -47,9 +49,12 @@ class ChartSurface:
     mesh : Mesh
         Its x and y are the parameters u and v; straight triangles.
     chart : Chart
+    lines : (edge,) flags, optional
+        Edges inside across which strains may jump.
 
     Attributes
     ----------
+    nodes : Nodes
     unknowns : int
     scalar : (triangle, 21) int array of scalar degrees of freedom
     triangle_unknowns : (triangle, 63) int array, component by component
@@ -61,7 +66,7 @@ class ChartSurface:
         If the chart is singular at a vertex or quadrature point.
     """
 
-    def __init__(self, mesh: Mesh, chart: ChartLike) -> None:
+    def __init__(self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None) -> None:
         self.mesh = mesh
         self.chart = chart
         self.affine = AffineTriangles.of_mesh(mesh)
@@ -69,10 +74,9 @@ class ChartSurface:
         basis = ElementArgyris.basis
         self.tables = jets_of_basis(self.points)
         self.transformation = ElementArgyris().transformation(self.affine)  # (triangle, 21, 21) M
-        vertices = 6 * mesh.triangles[:, :, None] + np.arange(6)
-        edges = 6 * len(mesh.points) + mesh.triangle_edges
-        self.scalar: Ints = np.concatenate([vertices.reshape(-1, 18), edges], axis=1).astype(np.int32)
-        self.scalars = 6 * len(mesh.points) + len(mesh.edges)
+        self.nodes = Nodes(mesh, lines)
+        self.scalar: Ints = self.nodes.triangle_scalars.astype(np.int32)
+        self.scalars = self.nodes.scalars
         self.unknowns = 3 * self.scalars
         components = 3 * self.scalar[:, None, :] + np.arange(3)[:, None]
         self.triangle_unknowns: Ints = components.reshape(len(self.scalar), 3 * len(basis)).astype(np.int32)
