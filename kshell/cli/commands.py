@@ -14,10 +14,16 @@ from typing import Any
 
 import typer
 
-# the order of imports is that of the commands in the help
-from kshell.cli import answers, explain, looking  # noqa: F401
 from kshell.cli.app import app
 from kshell.errors import Interrupted, KshellError, SolveError
+
+# isort: off
+# in the order of the commands in the help
+from kshell.cli import answers  # noqa: F401
+from kshell.cli import starting  # noqa: F401
+from kshell.cli import explain  # noqa: F401
+from kshell.cli import looking  # noqa: F401
+# isort: on
 
 ClickException: Any = next(c for c in typer.BadParameter.__mro__ if c.__name__ == "ClickException")
 INTERRUPTED = 130
