@@ -6,6 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from kshell.analysis.model_choice import BENDING, ModelChoice, choose_model
+from kshell.distributed.refuse import refuse_model
+from kshell.distributed.team import Team, team_of
 from kshell.equilibrium.model import Model
 from kshell.mesh.check import is_flat
 from kshell.scene.options import SolveOptions
@@ -29,7 +31,9 @@ def build_model(structure: Structure, options: SolveOptions) -> Model:
     if options.analysis == "dynamic":
         structure = structure.at_time(0.0)
     choice = choose_model(structure, options)
-    model = model_as(as_analysed(structure, choice, options), choice)
+    team = team_of(options.solver)
+    analysed = as_analysed(structure, choice, options)
+    model = model_as(analysed, choice) if team is None else model_of_team(team, analysed, choice)
     if structure.imperfection is None:
         return model
     from kshell.shell.koiter.imperfection import imperfect
@@ -84,6 +88,21 @@ def model_as(structure: Structure, choice: ModelChoice) -> Model:
     from kshell.shell.koiter.model import KoiterModel
 
     return KoiterModel(structure, choice.order, choice.reasons)
+
+
+def model_of_team(team: Team, structure: Structure, choice: ModelChoice) -> Model:
+    """The same on several processes.
+
+    Raises
+    ------
+    InputError
+        If the model is not for several processes.
+    """
+    if choice.kind == "shell" and choice.element == "koiter":
+        from kshell.distributed.linear import PartedKoiterModel
+
+        return PartedKoiterModel(team, structure, choice.order, choice.reasons)
+    raise refuse_model(choice.kind, choice.element)
 
 
 def model_of(scene: Scene, **options: Any) -> Model:

@@ -14,7 +14,10 @@ from typing import Any
 from kshell.analysis.cases import answer_cases
 from kshell.analysis.clock import Clock
 from kshell.analysis.run import Run
+from kshell.distributed.refuse import require_parted
+from kshell.distributed.team import Team, team_of
 from kshell.errors import InputError, Interrupted, KshellWarning, SolveError
+from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import shown
 from kshell.result.result import Result
 from kshell.scene.scene import Scene
@@ -227,10 +230,19 @@ def answer(
             'contact is for a motion, analysis = "dynamic" (kshell simulate), where drag brings it to rest: take that, '
             "or leave contact and obstacles out"
         )
+    team = team_of(chosen.solver)
+    if team is not None:
+        require_parted(scene, chosen, resume)
+        folder = None  # states are not kept on the way
     if progress is not None:
         progress("read")
     begin = time.perf_counter()
-    structure = resolve(scene, scene.read_mesh(allow_system), chosen.analysis == "dynamic")
+
+    def read() -> Mesh:
+        return scene.read_mesh(allow_system)
+
+    mesh = read() if team is None else team.once(read)
+    structure = resolve(scene, mesh, chosen.analysis == "dynamic")
     clock = Clock(progress, time.perf_counter() - begin)
     where = None if folder is None else Path(folder)
     run = Run(scene, structure, chosen, clock, progress, where, resume)
@@ -241,10 +253,29 @@ def answer(
     except (SolveError, Interrupted) as error:
         if isinstance(error.state, Result):
             _of_scene(error.state, scene)
+            _of_team(error.state, team)
         raise
+    _of_team(result, team)
     for words in result.warnings:
         warnings.warn(words, KshellWarning, stacklevel=3)  # at the call of `solve` or `trace`
     return _of_scene(result, scene)
+
+
+def _of_team(result: Result, team: Team | None) -> None:
+    """Let a result of several processes know what they are, and leave nothing in it that needs all of them."""
+    if team is None:
+        return
+    from kshell.distributed.factor import NAME
+    from kshell.distributed.saving import save_pieces
+
+    result.writer = partial(save_pieces, team)
+    memory = team.largest(result.solver.get("peak_memory_mb", 0.0))
+    result.solver |= {"name": NAME, "processes": team.size, "peak_memory_mb": memory}
+    result.series = [(factor, partial(_known, make())) for factor, make in result.series]
+
+
+def _known(result: Result) -> Result:
+    return result
 
 
 def _of_scene(result: Result, scene: Scene) -> Result:

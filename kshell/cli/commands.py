@@ -15,6 +15,7 @@ from typing import Any
 import typer
 
 from kshell.cli.app import app
+from kshell.distributed.launch import launched
 from kshell.errors import Interrupted, KshellError, SolveError
 
 # isort: off
@@ -74,4 +75,8 @@ def run(arguments: Sequence[str]) -> int:
 
 def main() -> None:
     """Entry point of the `kshell` command."""
-    sys.exit(run(sys.argv[1:]))
+    if launched() is None:
+        sys.exit(run(sys.argv[1:]))
+    from kshell.distributed.command import run_together
+
+    sys.exit(run_together(run, sys.argv[1:]))

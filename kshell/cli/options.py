@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from kshell.cli.scene_options import flag, is_scene, number, scene_of
+from kshell.distributed.launch import launched
 from kshell.errors import InputError, KshellWarning
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def watched(solve: Callable[[Progress], T], log: Path | None = None) -> T:
 
     from kshell.cli.progress import Progress
 
-    with warnings.catch_warnings(), Progress(log).shown() as progress:
+    with warnings.catch_warnings(), Progress(log if _speaks() else None).shown() as progress:
         warnings.simplefilter("ignore", KshellWarning)  # they stand in the result and are printed from it
         warnings.simplefilter("ignore", RuntimeWarning)  # overflow: what is not finite ends as a SolveError
         return solve(progress)
@@ -184,10 +185,16 @@ class MotionFiles(Files):
     ) = None
 
 
+def _speaks() -> bool:
+    """Whether this process prints and writes: of several the first one."""
+    start = launched()
+    return start is None or start.rank == 0
+
+
 def _write_json(result: Result, target: str | None) -> list[str]:
     from kshell.result.saving import as_json, write_text
 
-    if target is None:
+    if target is None or not _speaks():
         return []
     text = as_json(result)
     if target == "-":
@@ -249,7 +256,8 @@ class Solving:
     ] = None
     order: Annotated[str | None, typer.Option(metavar="auto|1..8", help="Of koiter and hhj.")] = None
     solver: Annotated[
-        str | None, typer.Option(metavar="auto|direct|multigrid", help="How the linear system is solved.")
+        str | None,
+        typer.Option(metavar="auto|direct|multigrid|petsc", help="How the linear system is solved."),
     ] = None
     large_deflection: Annotated[
         str | None, typer.Option(metavar="auto|true|false", help="Whether deflections are large.")

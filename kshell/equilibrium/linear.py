@@ -74,8 +74,11 @@ class LinearSolver:
         self._stiffness = stiffness if springs is None else stiffness + springs
         # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
         self._solve = Factoriser(reduction, elastic).factorise(self._stiffness).solve
-        if reduction.basis.shape[1]:
-            self._require_stiff(_softest(self._stiffness, reduction.basis, self._solve))
+        self._require_held()
+
+    def _require_held(self) -> None:
+        if self.reduction.basis.shape[1]:
+            self._require_stiff(_softest(self._stiffness, self.reduction.basis, self._solve))
 
     def solve(
         self, load: Floats, given: Floats | None = None, initial: Floats | None = None

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from kshell.errors import InputError
 from kshell.mesh.closest import Locator
 from kshell.mesh.mesh import Mesh
+from kshell.result.pieces import INDEX, read_pieces
 from kshell.result.rows import Rows
 from kshell.result.saving import case_stem
 from kshell.result.vtu import EDGES_OF, GROUP
@@ -49,7 +50,8 @@ def load_result(path: str | os.PathLike[str], cls: type[Any]) -> Any:
     folder = Path(path)
     document = read_document(folder)
     names = list(document.get("cases", {}))
-    result = _result(folder / "result.vtu", document, cls)
+    parted = document.get("solver", {}).get("processes") is not None
+    result = _result(folder / (INDEX if parted else "result.vtu"), document, cls)
     for name in names:
         own = {**{key: document[key] for key in ("title",)}, **document["cases"][name]}
         own["mesh"] = document["mesh"]
@@ -143,7 +145,7 @@ def _read_vtu(file: Path) -> tuple[Rows, dict[str, Floats], dict[str, Floats]]:
     from meshio import ReadError, vtu
 
     try:
-        read = vtu.read(str(file))
+        read = read_pieces(file) if file.suffix == ".pvtu" else vtu.read(str(file))
         (block,) = read.cells
     except (OSError, ValueError, KeyError, ParseError, ReadError) as error:
         raise InputError(f"{file}: cannot be read ({error})") from None

@@ -84,6 +84,8 @@ class Result:
         Values as in `probes` of every sheet that meets at a probe.
     nodal_values : str
         How values at vertices are made.
+    writer : callable, optional
+        Writes the files where several processes have the result, `writer(result, folder, pictures)`.
     cell_fields : dict of str to (triangle,) or (triangle, k) array
     edge_fields : dict of str to (edge, k) array
         Values at the middle of edges, for pictures and files of curved triangles.
@@ -165,6 +167,7 @@ class Result:
     lines: dict[str, dict[str, Floats]] = field(default_factory=dict)
     rows: Rows = None  # type: ignore[assignment]  # made from the mesh where it is not given
     nodal_values: str = ""
+    writer: Callable[..., list[str]] | None = None
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -340,7 +343,7 @@ class Result:
             files["report.html"] = doors.report_writer(self)
         if tables:
             files |= table_files(self)
-        return save(self, folder, files)
+        return save(self, folder, files) if self.writer is None else self.writer(self, folder, files)
 
     def report(self, file: str | os.PathLike[str]) -> list[str]:
         """Write a report: one HTML file that needs no other and no network.

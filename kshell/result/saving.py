@@ -32,6 +32,11 @@ Writer = Callable[[Path], object]  # writes one file at the path
 
 def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, Writer]) -> list[str]:
     """Write result.json, result.vtu and the given pictures. See `Result.save`."""
+    return write_together(Path(folder), writers_of(result) | dict(pictures))
+
+
+def writers_of(result: Result) -> dict[str, Writer]:
+    """What writes the files of a result, by their names."""
     text = as_json(result)  # a NaN is found before anything is touched
     writers: dict[str, Writer] = {
         "result.json": lambda path: path.write_text(text, encoding="utf-8"),
@@ -53,7 +58,7 @@ def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, 
         writers["history.csv"] = lambda path: _write_history(path, result.history)
     if result.eigen:
         writers |= _animated(result)
-    return write_together(Path(folder), writers | dict(pictures))
+    return writers
 
 
 def case_stem(name: str) -> str:
@@ -203,16 +208,28 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[str]:
         for name in writers:
             if (folder / name).is_dir():
                 raise InputError(f"{folder / name}: is a folder: remove it or give another output folder")
-        _remove_left_over(folder)
-        prefix = f"{UNFINISHED}{_machine()}-{os.getpid()}-"
-        with tempfile.TemporaryDirectory(prefix=prefix, dir=folder) as unfinished:
+        room = unfinished(folder)
+        try:
             for name, write in writers.items():
-                write(Path(unfinished) / name)
+                write(room / name)
             for name in writers:
-                os.replace(Path(unfinished) / name, folder / name)
+                os.replace(room / name, folder / name)
+        finally:
+            shutil.rmtree(room, ignore_errors=True)
     except OSError as error:
-        raise InputError(
-            f"{clipped(error.filename or folder)}: cannot be written ({error.strerror or error}): "
-            "give another output folder; earlier results are untouched"
-        ) from None
+        raise cannot_be_written(error, folder) from None
     return [str(folder / name) for name in writers]
+
+
+def unfinished(folder: Path) -> Path:
+    """A new folder in a folder, for files that are moved when all are complete; those left over are removed."""
+    _remove_left_over(folder)
+    return Path(tempfile.mkdtemp(prefix=f"{UNFINISHED}{_machine()}-{os.getpid()}-", dir=folder))
+
+
+def cannot_be_written(error: OSError, folder: Path) -> InputError:
+    """The error for a file that could not be written."""
+    return InputError(
+        f"{clipped(error.filename or folder)}: cannot be written ({error.strerror or error}): "
+        "give another output folder; earlier results are untouched"
+    )

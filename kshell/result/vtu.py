@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,21 @@ GROUP, EDGES_OF = "group ", "edges of group "
 
 def write_vtu(path: Path, result: Result) -> None:
     """Write the mesh, fields and groups of a result.
+
+    Raises
+    ------
+    SolveError
+        If a field has a value that is NaN or infinite.
+    """
+    import meshio
+
+    meshio.write(path, as_meshio(result), file_format="vtu")
+    if result.nodal_values:
+        say(path, result.nodal_values)
+
+
+def as_meshio(result: Result) -> Any:
+    """Mesh, fields and groups of a result, as meshio has them.
 
     Raises
     ------
@@ -74,12 +89,10 @@ def write_vtu(path: Path, result: Result) -> None:
         if group.dimension == 1:
             bits = np.isin(mesh.triangle_edges, group.members) @ np.array([1, 2, 4], dtype=np.int32)
             cell_data[f"{EDGES_OF}{name}"] = [bits.astype(np.int32)]
-    meshio.write(path, meshio.Mesh(points, [(kind, cells)], point_data, cell_data), file_format="vtu")
-    if result.nodal_values:
-        _say(path, result.nodal_values)
+    return meshio.Mesh(points, [(kind, cells)], point_data, cell_data)
 
 
-def _say(path: Path, words: str) -> None:
+def say(path: Path, words: str) -> None:
     """A comment after the first line of an XML file."""
     head, _, rest = path.read_bytes().partition(b"\n")
     path.write_bytes(head + f"\n<!-- {words} -->\n".encode() + rest)

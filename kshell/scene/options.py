@@ -187,8 +187,8 @@ class SolveOptions:
         What the tolerance is for: "energy", "probes", or the name of one; the probes where there are any if absent.
     limit : str, optional
         A time or a size of memory, "60 s" or "4 GB", at which the mesh is refined no more.
-    solver : "auto", "direct" or "multigrid"
-        How the linear system is solved.
+    solver : "auto", "direct", "multigrid" or "petsc"
+        How the linear system is solved. On several processes PETSc does it, which "petsc" takes on one, too.
     steps : "auto" or int [1]
         First guess of the number of load steps; they adapt. "auto": 10 on a path, 1 otherwise.
     control : Control or dict, optional
@@ -273,7 +273,7 @@ class SolveOptions:
     ] = None
     quantity: Annotated[Any, BeforeValidator(_quantity), WithJsonSchema(kinds.TEXT)] = None
     limit: Annotated[Any, BeforeValidator(_limit), WithJsonSchema(kinds.TEXT)] = None
-    solver: Literal["auto", "direct", "multigrid"] = "auto"
+    solver: Literal["auto", "direct", "multigrid", "petsc"] = "auto"
     steps: Annotated[Any, BeforeValidator(_steps), WithJsonSchema(kinds.either(kinds.AUTO, kinds.COUNT))] = (
         "auto"
     )

@@ -59,11 +59,13 @@ def meet(row: str, column: str) -> ks.Result:
 
 
 def cells() -> list[tuple[str, str, str]]:
-    """(row, column, what the page says) of the table."""
+    """(row, column, what the page says) of the first table."""
+    table = re.search(r"^\|.*?\n\n", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    assert table is not None
     rows = [
         [cell.strip() for cell in line.strip().strip("|").split("|")]
-        for line in PAGE.read_text(encoding="utf-8").splitlines()
-        if line.startswith("|") and not re.match(r"\|\s*-", line)
+        for line in table[0].strip().splitlines()
+        if not re.match(r"\|\s*-", line)
     ]
     head, *rest = rows
     return [(row[0], column, cell) for row in rest for column, cell in zip(head[1:], row[1:], strict=True)]

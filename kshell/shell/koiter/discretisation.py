@@ -298,11 +298,19 @@ class KoiterRecovery:
         strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
         self._total = strain
         self.strain = strain if initial is None else strain - initial
+        self._stress: Floats | None = None
+        self._total_stress: Floats | None = None
+
+    def know_stress(self) -> None:
+        """Find the stresses of all triangles once, so that they are not found anew for each place."""
+        self._stress = self.koiter.stress(self.strain)
+        self._total_stress = self._stress if self.strain is self._total else self.koiter.stress(self._total)
 
     def resultants(self, points: Floats, triangles: Ints) -> Resultants:
         """N, M and strains at reference points (point, 2) of triangles."""
         total = self._total if self.finite else None
-        return resultants(self.koiter, self.strain, points, triangles, total)
+        known = (self._stress, self._total_stress)
+        return resultants(self.koiter, self.strain, points, triangles, total, *known)
 
     @property
     def constant_moments(self) -> bool:
@@ -315,4 +323,4 @@ class KoiterRecovery:
 
     def energies(self) -> tuple[Floats, Floats]:
         """Membrane and bending energy of each triangle."""
-        return energies(self.koiter, self.strain)
+        return energies(self.koiter, self.strain, self._stress)

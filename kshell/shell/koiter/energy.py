@@ -94,9 +94,13 @@ class Koiter(StrainEnergy):
     section : Section
     block : int
         Triangles worked on at a time; bounds the memory of intermediate arrays.
+    rest : Directors, optional
+        Those at rest, where they are known from more triangles than the surface has.
     """
 
-    def __init__(self, surface: Surface, section: Section, block: int = 2048) -> None:
+    def __init__(
+        self, surface: Surface, section: Section, block: int = 2048, rest: Directors | None = None
+    ) -> None:
         self.surface = surface
         self.section = section
         self.tables = strain_tables(surface.order)
@@ -108,7 +112,7 @@ class Koiter(StrainEnergy):
         self.stiffness = np.empty((count, self.strains, self.strains))  # K
         for triangles in self.blocks:
             self.stiffness[triangles] = triangle_stiffness(surface, section, triangles)
-        self.rest = rest_directors(surface)
+        self.rest = rest_directors(surface) if rest is None else rest
         self._both = np.concatenate([surface.reference.first, surface.reference.second])
         self._rest_jets = surface.jets(surface.nodes, self._both)
         self._edge_tangents = surface.tangents(surface.reference.edge_first)

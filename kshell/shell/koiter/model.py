@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +56,11 @@ class KoiterModel(ShellModel):
         if offsets is not None:
             structure = structure.on(moved_mesh(structure.space, order, offsets))
         hinges = hinge_edges(structure.supports, structure.space)
-        discretisation = KoiterDiscretisation(structure.parameters, order, lift, hinges, offsets)
+        discretisation = self._discretised(structure.parameters, order, lift, hinges, offsets)
         super().__init__(ShellProblem(structure, discretisation), reasons)
+
+    def _discretised(self, *given: Any) -> KoiterDiscretisation:
+        return KoiterDiscretisation(*given)
 
     def contact_surface(self) -> tuple[Floats, NDArray[np.integer]]:
         surface = self.problem.discretisation.surface

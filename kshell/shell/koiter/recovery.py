@@ -26,6 +26,8 @@ def resultants(
     points: ArrayLike,
     triangles: NDArray | None = None,
     total: Floats | None = None,
+    stress: Floats | None = None,
+    total_stress: Floats | None = None,
 ) -> Resultants:
     """N, M and strains from the strains s of `Koiter.strain` or `Koiter.linear_strain`.
 
@@ -42,6 +44,8 @@ def resultants(
     total : (triangle, 2 r), optional
         Strains with those without stress, where deflections are large and forces in cuts are those of the deformed
         surface.
+    stress, total_stress : (triangle, 2 r), optional
+        K times `strain` and `total`, where they are known.
     """
     surface, section = koiter.surface, koiter.section
     chosen = np.arange(len(surface.mesh.triangles)) if triangles is None else np.asarray(triangles)
@@ -56,10 +60,13 @@ def resultants(
     f = components(x, *tangent_frame(x, section.direction_of(chosen), angle)[:2])
     to_frame = covariant_to_frame(f)
 
-    def strains(all_strains: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    def strains(all_strains: Floats, known: Floats | None) -> tuple[Floats, Floats, Floats, Floats]:
         """Membrane strain along the element coordinates; it, kappa and M in the material axes."""
         r, s = surface.reference.strains, all_strains[chosen]
-        m = np.matmul(koiter.stiffness[chosen], s[:, :, None])[:, r:, 0].reshape(len(chosen), -1, 3)
+        if known is None:
+            m = np.matmul(koiter.stiffness[chosen], s[:, :, None])[:, r:, 0].reshape(len(chosen), -1, 3)
+        else:
+            m = known[chosen, r:].reshape(len(chosen), -1, 3)
         covariant = np.einsum("pk,tkv->vtp", psi, s[:, :r].reshape(len(chosen), -1, 3))
         contravariant = np.einsum("pk,tkv->vtp", psi, m) / area**2
         e = np.einsum("vwtp,wtp->tpv", to_frame, covariant)
@@ -68,10 +75,12 @@ def resultants(
         kappa = np.linalg.solve(np.broadcast_to(d, (*moment.shape, 3)), bent)[..., 0]
         return covariant, e, kappa, moment
 
-    covariant, e, kappa, moment = strains(strain)
+    covariant, e, kappa, moment = strains(strain, stress)
     second_form, stretched = rest_second_form(surface, points, chosen, x), None
     if total is not None and surface.order > 1:
-        stretched, _, change, _ = (covariant, e, kappa, moment) if total is strain else strains(total)
+        stretched, _, change, _ = (
+            (covariant, e, kappa, moment) if total is strain else strains(total, total_stress)
+        )
         back = np.linalg.inv(np.moveaxis(to_frame, (0, 1), (2, 3)))
         second_form = second_form - np.moveaxis((back @ change[..., None])[..., 0], 2, 0)
     return resultants_in_frame(section, chosen, position, x, e, kappa, moment, second_form, stretched)
@@ -118,8 +127,11 @@ def displacement(
     return value, np.moveaxis(rotation, 0, 2)
 
 
-def energies(koiter: Koiter, strain: Floats) -> tuple[Floats, Floats]:
-    """Membrane and bending energy of each triangle, 1/2 N . E and 1/2 M . kappa: two (triangle,) arrays."""
+def energies(koiter: Koiter, strain: Floats, stress: Floats | None = None) -> tuple[Floats, Floats]:
+    """Membrane and bending energy of each triangle, 1/2 N . E and 1/2 M . kappa: two (triangle,) arrays.
+
+    `stress` (triangle, 2 r) is K times the strain, where it is known.
+    """
     r = koiter.surface.reference.strains
-    work = 0.5 * strain * koiter.stress(strain)
+    work = 0.5 * strain * (koiter.stress(strain) if stress is None else stress)
     return work[:, :r].sum(axis=1), work[:, r:].sum(axis=1)

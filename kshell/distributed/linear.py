@@ -1,0 +1,108 @@
+"""Small and large deflections of Koiter shells on a team: the same algorithms on what is divided."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.distributed.factor import NAME, PetscFactoriser
+from kshell.distributed.koiter import PartedDiscretisation, PartedKoiter
+from kshell.distributed.matrix import Scattered
+from kshell.distributed.team import Team
+from kshell.equilibrium.linear import LinearSolver
+from kshell.equilibrium.model import Solved
+from kshell.equilibrium.problem import Problem
+from kshell.equilibrium.reduction import Reduction
+from kshell.equilibrium.sparsity import Added
+from kshell.scene.structure import Structure
+from kshell.shell.koiter.model import KoiterModel
+
+Floats = NDArray[np.float64]
+
+
+class PetscLinearSolver(LinearSolver):
+    """One shell of a team for any number of loads: factorised once by MUMPS."""
+
+    def __init__(
+        self, elastic: PartedKoiter, reduction: Reduction, springs: sp.spmatrix | None = None
+    ) -> None:
+        self.elastic, self.reduction, self.springs = elastic, reduction, springs
+        stiffness = elastic.linear_stiffness()
+        stiffness = stiffness if springs is None else stiffness + springs
+        self._solve = PetscFactoriser(elastic.team, reduction, elastic.owner).factorise(stiffness).solve
+        self._stiffness = Diagonal(stiffness.diagonal())  # all that is needed of it from here on
+        self._require_held()
+
+
+class Diagonal:
+    """The diagonal of a matrix that is let go."""
+
+    def __init__(self, values: Floats) -> None:
+        self._values = values
+
+    def diagonal(self) -> Floats:
+        """(unknowns,)."""
+        return self._values
+
+
+class ScatteredAdded(Added):
+    """Adds matrices that all processes know to one that is divided."""
+
+    def to(self, matrix: Any, other: sp.csr_matrix, factor: float = 1.0) -> Any:
+        return cast(Scattered, matrix).plus(other, factor)
+
+
+class PartedProblem(Problem):
+    """An equilibrium of a team."""
+
+    @cached_property
+    def _load_added(self) -> Added:
+        return ScatteredAdded()
+
+    @cached_property
+    def _springs_added(self) -> Added:
+        return ScatteredAdded()
+
+    @cached_property
+    def _factoriser(self) -> Any:
+        energy = cast(PartedKoiter, self.energy)
+        return PetscFactoriser(energy.team, self.reduction, energy.owner, self._symmetric())
+
+
+class PartedKoiterModel(KoiterModel):
+    """A Koiter shell of a team.
+
+    Parameters
+    ----------
+    team : Team
+    structure, order, reasons :
+        As of `KoiterModel`.
+    """
+
+    def __init__(self, team: Team, structure: Structure, order: int, reasons: Sequence[str] = ()) -> None:
+        self.team = team
+        super().__init__(structure, order, reasons)
+
+    def _discretised(self, *given: Any) -> PartedDiscretisation:
+        return PartedDiscretisation(self.team, *given)
+
+    def _linear_solver(self) -> LinearSolver:
+        problem = self.problem
+        return PetscLinearSolver(problem.energy, problem.reduction, problem.springs)
+
+    def solve(self, solver: str = "auto") -> Solved:
+        found = super().solve(solver)
+        why = (
+            f"shells are factorised, on {self.team.size} {'process' if self.team.size == 1 else 'processes'}"
+        )
+        return Solved(found.x, NAME, why, found.iterations, found.own)
+
+    def equilibrium(self) -> Problem:
+        whole = super().equilibrium()
+        return PartedProblem(**{f.name: getattr(whole, f.name) for f in fields(whole)})

@@ -1,0 +1,77 @@
+"""Files of a result that a team has: result.json as of one process, result.pvtu with a piece by each.
+
+All of the files or none: they are written into a new folder beside their places, and moved when all are complete.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from kshell.distributed.partition import partition
+from kshell.distributed.team import Team
+from kshell.errors import InputError
+from kshell.result.pieces import old_pieces, piece_name, pieces_index, write_piece
+from kshell.result.result import Result
+from kshell.result.saving import Writer, cannot_be_written, unfinished, writers_of
+
+
+def save_pieces(
+    team: Team, result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, Writer]
+) -> list[str]:
+    """Write result.json, result.pvtu and its pieces, and the given pictures, with all processes.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be written; says which and why.
+    """
+    place = Path(folder)
+    part = team.once(lambda: partition(result.mesh, team.size))
+    names = [piece_name(rank) for rank in range(team.size)]
+    writers: dict[str, Writer] = {names[team.rank]: lambda path: write_piece(path, result, part == team.rank)}
+    if team.rank == 0:
+        writers |= writers_of(result) | dict(pictures)
+        del writers["result.vtu"]
+        writers["result.pvtu"] = lambda path: path.write_text(pieces_index(result, names), encoding="utf-8")
+    # a NaN is found before anything is touched
+    listed = team.once(lambda: sorted({*writers, *names}))
+    room = team.once(lambda: _opened(place, listed))
+
+    def write() -> None:
+        try:
+            for name, writer in writers.items():
+                writer(room / name)
+        except OSError as error:
+            raise cannot_be_written(error, place) from None
+
+    def move() -> None:
+        try:
+            for name in listed:
+                os.replace(room / name, place / name)
+            for stale in old_pieces(place, names):
+                stale.unlink(missing_ok=True)
+        except OSError as error:
+            raise cannot_be_written(error, place) from None
+
+    try:
+        team.together(write)
+        team.once(move)
+    finally:
+        if team.rank == 0:
+            shutil.rmtree(room, ignore_errors=True)
+    return [str(place / name) for name in listed]
+
+
+def _opened(place: Path, names: list[str]) -> Path:
+    """A new folder for unfinished files."""
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        for name in names:
+            if (place / name).is_dir():
+                raise InputError(f"{place / name}: is a folder: remove it or give another output folder")
+        return unfinished(place)
+    except OSError as error:
+        raise cannot_be_written(error, place) from None

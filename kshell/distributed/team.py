@@ -1,0 +1,160 @@
+"""The processes that work on one scene.
+
+Processes of a team run the same program. Where one waits for others, as in every sum, an error of one would leave the
+others waiting for ever: so each says first whether it has what the others wait for, and an error of one is raised by
+all, the same everywhere.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import pickle
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.distributed.launch import launched
+from kshell.errors import InputError, Interrupted, SolveError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+T = TypeVar("T")
+
+EXTRA = 'pip install "kshell[distributed]" (Linux, Python 3.12 or later), or install petsc4py and mpi4py otherwise'
+
+
+class Team:
+    """Processes that meet in sums and exchanges.
+
+    Parameters
+    ----------
+    communicator : mpi4py.MPI.Intracomm
+
+    Attributes
+    ----------
+    rank, size : int
+    """
+
+    def __init__(self, communicator: Any) -> None:
+        self.communicator = communicator
+        self.rank, self.size = int(communicator.rank), int(communicator.size)
+
+    def agree(self, error: BaseException | None) -> None:
+        """Raise the error of the first process that has one, on all.
+
+        Parameters
+        ----------
+        error : exception or None
+            What went wrong on this one.
+        """
+        mine = np.array([0 if error is None else 1])
+        failed = np.empty_like(mine)
+        self.communicator.Allreduce(mine, failed)
+        if not failed[0]:
+            return
+        every = self.communicator.allgather(None if error is None else _sendable(error))
+        first = next(rank for rank, found in enumerate(every) if found is not None)
+        raise error if error is not None and first == self.rank else every[first]
+
+    def together(self, work: Callable[[], T]) -> T:
+        """What a function gives on this process, once it has ended well on all of them."""
+        error: BaseException | None = None
+        value: Any = None
+        try:
+            value = work()
+        except (Exception, KeyboardInterrupt) as caught:
+            error = caught
+        self.agree(error)
+        found: T = value
+        return found
+
+    def once(self, work: Callable[[], T]) -> T:
+        """What a function gives that the first process alone runs, on all: files are read so."""
+        value = self.together(work if self.rank == 0 else lambda: None)
+        found: T = self.communicator.bcast(value)
+        return found
+
+    def sum(self, work: Callable[[], Any]) -> Any:
+        """Sum of the arrays, or numbers, of all processes; the same to the last digit on all."""
+        value = self.together(work)
+        mine = np.ascontiguousarray(value, dtype=float)
+        total = np.empty_like(mine)
+        self.communicator.Reduce(mine, total)
+        self.communicator.Bcast(total)
+        return total if np.ndim(value) else float(total[0])
+
+    def join(self, members: Sequence[Ints], work: Callable[[], Floats]) -> Floats:
+        """(n, ...) rows put together from those that each process has.
+
+        Parameters
+        ----------
+        members : list of int arrays
+            Of each process the numbers of its rows; together they are all.
+        work : function
+            Gives the rows of this process, in that order.
+        """
+        mine = np.ascontiguousarray(self.together(work), dtype=float)
+        width = int(np.prod(mine.shape[1:], dtype=np.int64))
+        counts = [len(rows) * width for rows in members]
+        flat = np.empty(sum(counts))
+        self.communicator.Allgatherv(mine, (flat, counts))
+        out = np.empty((sum(len(rows) for rows in members), *mine.shape[1:]))
+        out[np.concatenate(members)] = flat.reshape(-1, *mine.shape[1:])
+        return out
+
+    def largest(self, value: float) -> float:
+        """The largest of the numbers of all processes."""
+        return float(max(self.communicator.allgather(value)))
+
+
+def _sendable(error: BaseException) -> BaseException:
+    """The error as others can get it: without the state that it may carry."""
+    if isinstance(error, SolveError | Interrupted):
+        return type(error)(str(error))
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error
+
+
+def require_installed() -> None:
+    """Raise InputError where MPI or PETSc is missing; loads both, in the order that they need.
+
+    The wheel dolfinx-solver-real brings both and loads its MPI first.
+    """
+    missing = [name for name in ("mpi4py", "petsc4py") if importlib.util.find_spec(name) is None]
+    if missing:
+        start = launched()
+        why = "solver = petsc" if start is None else f"mpiexec started {start.size} processes, which"
+        raise InputError(f"{why} needs {' and '.join(missing)}: {EXTRA}".replace("which needs", "which need"))
+    try:
+        if importlib.util.find_spec("dolfinx_solver") is not None:
+            import dolfinx_solver  # noqa: F401
+        from mpi4py import MPI  # noqa: F401
+        from petsc4py import PETSc  # noqa: F401
+    except (ImportError, OSError) as error:
+        raise InputError(f"petsc4py and mpi4py are there but cannot be loaded ({error}): {EXTRA}") from None
+
+
+@cache
+def world() -> Team:
+    """All processes that were started together.
+
+    Raises
+    ------
+    InputError
+        If MPI or PETSc is missing.
+    """
+    require_installed()
+    from mpi4py import MPI
+
+    return Team(MPI.COMM_WORLD)
+
+
+def team_of(solver: str) -> Team | None:
+    """The processes that work with a solver: all under mpiexec, or this one with "petsc"; None for kshell alone."""
+    return world() if launched() is not None or solver == "petsc" else None

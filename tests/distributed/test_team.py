@@ -1,0 +1,235 @@
+"""Several processes played by threads: what they put together is what one has, and errors are raised by all."""
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.distributed.koiter import PartedDiscretisation, part_of, section_of
+from kshell.distributed.matrix import Numbering, Scattered
+from kshell.distributed.partition import halved, partition
+from kshell.distributed.team import Team
+from kshell.equilibrium.reduced import ReducedPattern
+from kshell.shell.koiter.discretisation import KoiterDiscretisation
+from kshell.shell.section import Section
+
+
+class Threads:
+    """What a team needs of a communicator, among threads."""
+
+    def __init__(self, rank: int, slots: list[Any], barrier: threading.Barrier) -> None:
+        self.rank, self.size, self.slots, self.barrier = rank, len(slots), slots, barrier
+
+    def allgather(self, value: Any) -> list[Any]:
+        self.slots[self.rank] = value
+        self.barrier.wait()
+        found = list(self.slots)
+        self.barrier.wait()
+        return found
+
+    def bcast(self, value: Any) -> Any:
+        return self.allgather(value)[0]
+
+    def Bcast(self, array: np.ndarray) -> None:
+        array[...] = self.allgather(array.copy())[0]
+
+    def Allreduce(self, mine: np.ndarray, out: np.ndarray) -> None:
+        out[...] = np.sum(self.allgather(mine), axis=0)
+
+    def Reduce(self, mine: np.ndarray, out: np.ndarray) -> None:
+        every = self.allgather(mine)
+        if self.rank == 0:
+            out[...] = np.sum(every, axis=0)
+
+    def Allgatherv(self, mine: np.ndarray, out: tuple[np.ndarray, list[int]]) -> None:
+        out[0][...] = np.concatenate([part.ravel() for part in self.allgather(mine)])
+
+
+def played(size: int, work: Callable[[Team], Any]) -> list[Any]:
+    """What each of several threads gives, or its error."""
+    slots, barrier, found = [None] * size, threading.Barrier(size, timeout=20.0), [None] * size
+
+    def one(rank: int) -> None:
+        try:
+            found[rank] = work(Team(Threads(rank, slots, barrier)))
+        except BaseException as error:
+            found[rank] = error
+
+    threads = [threading.Thread(target=one, args=(rank,)) for rank in range(size)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(30.0)
+    return found
+
+
+def roof(order: int = 2) -> ks.Mesh:
+    return ks.geometry.Cylinder(1.0).mesh(4, 5, order, ("a", "b", "c", "d"), (0.5, 1.4), (0.0, 1.0))
+
+
+def test_sums_and_joined_rows_are_the_same_on_all() -> None:
+    members = [np.array([1, 4]), np.array([0]), np.array([2, 3])]
+    whole = np.arange(10.0).reshape(5, 2)
+
+    def work(team: Team) -> tuple[Any, ...]:
+        joined = team.join(members, lambda: whole[members[team.rank]])
+        return joined, team.sum(lambda: team.rank + 0.5), team.sum(lambda: np.array([1.0, team.rank]))
+
+    for joined, number, array in played(3, work):
+        np.testing.assert_array_equal(joined, whole)
+        assert number == 4.5
+        assert array.tolist() == [3.0, 3.0]
+
+
+@pytest.mark.parametrize("failing", [0, 2])
+def test_the_error_of_one_is_raised_by_all(failing: int) -> None:
+    def work(team: Team) -> Any:
+        def own() -> np.ndarray:
+            if team.rank == failing:
+                raise ks.SolveError("no memory here", state=threading.Lock())
+            return np.zeros(2)
+
+        return team.sum(own)
+
+    for error in played(3, work):
+        assert isinstance(error, ks.SolveError)
+        assert str(error) == "no memory here"
+
+
+def test_what_cannot_be_sent_is_told_in_words() -> None:
+    class Odd(Exception):
+        def __init__(self, a: int, b: int) -> None:
+            super().__init__(f"{a} {b}")
+
+    def work(team: Team) -> Any:
+        def own() -> None:
+            if team.rank == 1:
+                raise Odd(1, 2)
+
+        team.together(own)
+
+    first, second = played(2, work)
+    assert isinstance(second, Odd)
+    assert "Odd: 1 2" in str(first)
+
+
+def test_files_are_read_by_one() -> None:
+    read: list[int] = []
+
+    def work(team: Team) -> Any:
+        return team.once(lambda: read.append(team.rank) or "content")
+
+    assert played(3, work) == ["content"] * 3
+    assert read == [0]
+
+
+@pytest.mark.parametrize("parts", [1, 2, 3, 7])
+def test_parts_are_of_equal_size(parts: int) -> None:
+    mesh = roof()
+    for found in (partition(mesh, parts), halved(mesh.points[mesh.triangles].mean(axis=1), parts)):
+        sizes = np.bincount(found, minlength=parts)
+        assert len(sizes) == parts
+        assert sizes.min() >= 0.6 * sizes.mean()
+
+
+def test_more_parts_than_triangles_leave_some_empty() -> None:
+    mesh = roof()
+    found = partition(mesh, 50)
+    assert len(np.unique(found)) == len(mesh.triangles) == 40
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("size", [2, 3])
+def test_the_energy_of_the_parts_is_that_of_the_whole(order: int, size: int) -> None:
+    mesh = roof(1 if order == 1 else 2)
+    rng = np.random.default_rng(0)
+    thickness = rng.uniform(0.01, 0.02, len(mesh.triangles))
+    section = Section.isotropic(1.0, 0.3, thickness)
+    given = (mesh, order, None, np.zeros(0, dtype=np.int64))
+    whole = KoiterDiscretisation(*given).energy(section)
+    x = 1e-2 * rng.standard_normal(whole.unknowns)
+    finite = whole.energy(x, 2)
+    linear = whole.linear_stiffness()
+
+    def work(team: Team) -> tuple[Any, ...]:
+        energy = PartedDiscretisation(team, *given).energy(section)
+        own = energy.energy(x, 2)
+        strain = energy.linear_strain(x)
+        stiffness = energy.linear_stiffness()
+        return (
+            own.value,
+            own.gradient,
+            own.hessian @ x,
+            strain,
+            energy.stress(strain),
+            energy.linear_forces(energy.stress(strain)),
+            stiffness @ x,
+            stiffness.diagonal(),
+            energy.strain(x),
+            energy.extrapolated_stress(own.linear, x),
+        )
+
+    strain = whole.linear_strain(x)
+    stress = whole.stress(strain)
+    expected = (
+        finite.value,
+        finite.gradient,
+        finite.hessian @ x,
+        strain,
+        stress,
+        whole.linear_forces(stress),
+        linear @ x,
+        linear.diagonal(),
+        whole.strain(x),
+        whole.extrapolated_stress(finite.linear, x),
+    )
+    for found in played(size, work):
+        for one, other in zip(found, expected, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
+
+
+def test_entries_of_the_parts_add_up_in_the_new_numbers() -> None:
+    mesh = roof()
+    section = Section.isotropic(1.0, 0.3, 0.01)
+    given = (mesh, 2, None, np.zeros(0, dtype=np.int64))
+    whole = KoiterDiscretisation(*given).energy(section)
+    basis = np.eye(whole.unknowns)[:, 5:]
+    basis[0, 3] = 0.5  # an unknown that follows another
+    import scipy.sparse as sp
+
+    basis = sp.csc_matrix(basis)
+    springs = sp.diags(np.linspace(0.0, 1.0, whole.unknowns), format="csr")
+
+    def work(team: Team) -> tuple[Any, ...]:
+        energy = PartedDiscretisation(team, *given).energy(section)
+        matrix = energy.linear_stiffness().plus(springs, 2.0)
+        assert isinstance(matrix, Scattered)
+        numbering = Numbering(team, basis, energy.owner)
+        pattern = ReducedPattern(matrix.local, basis, numbering.place, lower=False)
+        shape = (numbering.size, numbering.size)
+        local = sp.csc_matrix((pattern.entries(matrix.local), pattern.indices, pattern.indptr), shape=shape)
+        return numbering, local.toarray()
+
+    found = played(3, work)
+    total = sum(local for _, local in found)
+    order = found[0][0].order
+    expected = (basis.T @ (whole.linear_stiffness() + 2.0 * springs) @ basis).toarray()[np.ix_(order, order)]
+    np.testing.assert_allclose(total, expected, atol=1e-13 * np.abs(expected).max())
+    assert sorted(np.concatenate([numbering.own for numbering, _ in found])) == list(range(len(order)))
+
+
+def test_a_part_keeps_what_its_section_says_of_its_triangles() -> None:
+    mesh = roof()
+    direction = np.random.default_rng(1).standard_normal((len(mesh.triangles), 3))
+    thickness = np.linspace(0.01, 0.02, len(mesh.triangles))
+    q = np.diag([1.0, 2.0, 0.5])
+    section = Section.from_plane_stress(q, thickness, direction=direction)
+    mine = np.array([3, 17, 5])
+    part = section_of(section, mine)
+    np.testing.assert_array_equal(part.direction, direction[mine])
+    np.testing.assert_array_equal(part.bending, section.bending[mine])
+    surface = KoiterDiscretisation(mesh, 2, None, np.zeros(0, dtype=np.int64)).surface
+    np.testing.assert_allclose(part_of(surface, mine).area_elements, surface.area_elements[mine], rtol=1e-14)
