@@ -9,10 +9,12 @@ deflects across its surface before it buckles.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.analysis.critical_load import critical_on_path, path_words
 from kshell.analysis.intervals import Interval, unknown
 from kshell.analysis.membrane import membrane_state
 from kshell.analysis.modal_result import modal_result
@@ -89,7 +91,9 @@ def analyse(model: Model, run: Run) -> Result:
             for value, i in zip(found.values.tolist(), of, strict=True)
         ]
     result.error["kind"] = of[0].kind if of else "none"
-    result.warnings += [*found.notes, *_warnings(model, run, state, found.values)]
+    result.warnings += [*found.notes, *_warnings(run, found.values)]
+    with run.clock.stage("bounds"):
+        result.warnings += _bending_before(model, run, state, found.values, grows, result)
     if len(found.values) < count:
         result.warnings.append(
             f"only {len(found.values)} factors exist, not {count}: the loads change the stiffness of no more motions"
@@ -208,7 +212,7 @@ def _plate_intervals(
     return [Interval(float(a), float(b), "guaranteed") for a, b in zip(lower, upper, strict=True)], [words]
 
 
-def _warnings(model: Model, run: Run, state: Stressed, values: Floats) -> list[str]:
+def _warnings(run: Run, values: Floats) -> list[str]:
     out = []
     if not np.any(values > 0):
         out.append(
@@ -223,20 +227,35 @@ def _warnings(model: Model, run: Run, state: Stressed, values: Floats) -> list[s
             )
     if any(isinstance(placed.item, Symmetry) for placed in run.structure.supports):
         out.append("planes of symmetry hold the motion: shapes that are not symmetric to them are left out")
-    positive = values[values > 0]
-    first = float(positive.min()) if len(positive) else float(np.abs(values).min(initial=0.0))
-    deflection, thickness = _deflection(model, run, state)
-    if first * deflection > SMALL * thickness:
-        out.append(
-            f"before it buckles at the factor {first:.4g} the structure deflects across its surface by "
-            f"{first * deflection / thickness:.2g} times its thickness, which linear buckling leaves out: follow the "
-            'load with `kshell trace` (analysis = "path")'
-        )
     return out
 
 
+def _bending_before(
+    model: Model, run: Run, state: Stressed, values: Floats, grows: list[bool], result: Result
+) -> list[str]:
+    """A warning where the structure bends before it buckles, with the factor of the path of large deflections."""
+    positive = values[values > 0]
+    first = float(positive.min()) if len(positive) else float(np.abs(values).min(initial=0.0))
+    deflection, thickness = _deflection(model, run, state)
+    if first * deflection <= SMALL * thickness:
+        return []
+    found: dict[str, Any] = {"kind": "not followed", "factor": None}
+    whole = all(grows[:-1]) and not _moves(run.structure)
+    if len(positive) and whole and run.options.error != "off":
+        found = critical_on_path(model, run, [1.0] * len(run.structure.loads), first)
+    result.modal["path"] = found
+    return [
+        f"before it buckles at the factor {first:.4g} the structure bends: its deflection across the surface varies "
+        f"by {first * deflection / thickness:.2g} times the thickness, which linear buckling leaves out; "
+        f"{path_words(found)}"
+    ]
+
+
 def _deflection(model: Model, run: Run, state: Stressed) -> tuple[float, float]:
-    """Largest displacement across the surface of the linear solution at the factor 1, and a thickness."""
+    """How far displacements across the surface lie apart in the linear solution at the factor 1, and a thickness.
+
+    A uniform one, as that of a sphere or of a ring, changes no angles.
+    """
     structure = run.structure
     every = np.arange(len(structure.space.triangles))
     centres = structure.space.points[structure.space.triangles].mean(axis=1)[:, None]
@@ -244,7 +263,7 @@ def _deflection(model: Model, run: Run, state: Stressed) -> tuple[float, float]:
     if state.solved is not None:
         fields = model.motion_fields(state.solved.x)
         across = np.einsum("vx,vx->v", fields["displacement"], fields["normal"])
-        return float(np.abs(across).max(initial=0.0)), thickness
+        return float(np.ptp(across)), thickness
     across_only = tuple(
         placed
         for placed, grows in zip(structure.loads, growing(structure)[:-1], strict=True)
@@ -254,4 +273,4 @@ def _deflection(model: Model, run: Run, state: Stressed) -> tuple[float, float]:
         return 0.0, thickness
     bent = PlateModel(replace(structure, loads=across_only), model.element)
     w = bent.motion_fields(bent.solve().x)["displacement"][:, 2]
-    return float(np.abs(w).max(initial=0.0)), thickness
+    return float(np.ptp(w)), thickness

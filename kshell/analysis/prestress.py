@@ -97,17 +97,18 @@ def prestressed(model: Model, run: Run) -> Prestress:
     structure = run.structure
     if not structure.loads and all(placed.item.value is None for placed in structure.supports):
         raise InputError("prestress = true needs loads, or a prescribed motion: the scene has none")
+    factor = run.options.prestress
+    factors = [1.0 if placed.item.fixed else factor for placed in structure.loads]
+    moved = [placed.item.fixed for placed in structure.supports if placed.item.value is not None]
+    motion = 1.0 if moved and all(moved) else factor
     if run.options.large_deflection is True:
-        return _on_path(model, run)
-    for placed in structure.loads:
-        if getattr(placed.item, "follower", False):
-            raise InputError(
-                f"{placed.item}: follower = true turns the pressure with the surface: let it act with "
-                "large_deflection = true, or leave follower out"
-            )
-    found = stressed(model, structure, [1.0] * len(structure.loads))
+        return _on_path(model if factor == 1.0 else model.under(factors, motion), run, factor)
+    found = stressed(model, structure, factors, motion)
     stiffness = model.stiffness()
-    out = Prestress((stiffness + found.geometric).tocsr(), ["prestress: the stresses of the linear solution"])
+    at = "" if factor == 1.0 else f" at the load factor {factor:g}"
+    out = Prestress(
+        (stiffness + found.geometric).tocsr(), [f"prestress: the stresses of the linear solution{at}"]
+    )
     if abs(found.geometric).max() <= NOTHING * abs(stiffness).max():
         out.warnings.append(
             "prestress: the loads cause no membrane forces, the frequencies are those without them"
@@ -115,8 +116,8 @@ def prestressed(model: Model, run: Run) -> Prestress:
     return out
 
 
-def _on_path(model: Model, run: Run) -> Prestress:
-    """The tangent at the end of a path of large deflections."""
+def _on_path(model: Model, run: Run, factor: float) -> Prestress:
+    """The tangent at the end of a path of large deflections, at a factor of the loads of the scene."""
     if not isinstance(model, FiniteModel):
         raise InputError(f"large_deflection = true with prestress is for shells, not for a {model.kind}")
     trace = grow_load(model, run)
@@ -131,5 +132,7 @@ def _on_path(model: Model, run: Run) -> Prestress:
             "surface is free, so there are no modes: leave follower out, or hold the edge"
         )
     out = Prestress((0.5 * (reduced + reduced.T)).tocsr())
-    out.reasons.append(f"prestress: the state of large deflections at the load factor {state.factor:g}")
+    out.reasons.append(
+        f"prestress: the state of large deflections at the load factor {factor * state.factor:g}"
+    )
     return out

@@ -214,7 +214,7 @@ def _print_modes(out: Console, result: Result) -> None:
     heads = (
         ["", "factor", "interval"] if buckling else ["", "Hz", "interval", "x", "y", "z", "rx", "ry", "rz"]
     )
-    if not buckling and result.modal:
+    if not buckling and "effective_mass" in result.modal:
         together = result.modal["effective_mass"]
         rows.append(["", "all", "", *(_share(m, t) for m, t in zip(together, total, strict=True))])
     title = "Load factors" if buckling else "Frequencies, effective masses in %"

@@ -123,10 +123,12 @@ class Model(ABC):
     def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
         """Second derivative (q, q) of the work of the membrane forces of a linear solution on the true strains.
 
+        Less that of the work of its loads that turn with the surface.
+
         Raises
         ------
         InputError
-            If the element has no membrane forces.
+            If the element has no membrane forces, or the stiffness of turning loads is not symmetric.
         """
         raise InputError(f"a {self.kind} with the element {self.element} has no membrane forces: {_OTHER}")
 

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.values import kinds
-from kshell.values.validation import Flag, Number, described
+from kshell.values.validation import Number, described
 
 # change of the displacements from which large deflections matter
 TOLERANCE = 0.01
@@ -145,6 +145,14 @@ def _output(value: Any) -> Any:
     return value
 
 
+def _prestress(value: Any) -> Any:
+    if isinstance(value, bool):
+        return float(value)
+    if not isinstance(value, int | float) or not 0.0 <= value < float("inf"):
+        raise ValueError("must be true, false, or a load factor > 0")
+    return float(value)
+
+
 def _range(value: Any) -> Any:
     if value is None:
         return None
@@ -200,8 +208,9 @@ class SolveOptions:
         How many modes (6 if not given) or buckling factors (3).
     range : (f1, f2), optional [1 / time]
         Modes with frequencies in a range, instead of a number of them.
-    prestress : bool
-        Of modes: the loads act before the structure vibrates.
+    prestress : bool or float [1]
+        Of modes: the loads act before the structure vibrates; a number is the factor at which they do, but those that
+        are fixed.
     error : "auto" or "off"
         Whether intervals are found for what is computed.
     time : float, optional [time]
@@ -281,7 +290,9 @@ class SolveOptions:
     branch: Annotated[Any, BeforeValidator(_branch), WithJsonSchema({"enum": [0, 1, -1]})] = 0
     count: Annotated[Any, BeforeValidator(_count), WithJsonSchema(kinds.COUNT)] = None
     range: Annotated[Any, BeforeValidator(_range), WithJsonSchema(kinds.listed(kinds.NUMBER, 2, 2))] = None
-    prestress: Flag = False
+    prestress: Annotated[
+        Any, BeforeValidator(_prestress), WithJsonSchema(kinds.either({"type": "boolean"}, kinds.POSITIVE))
+    ] = 0.0
     error: Literal["auto", "off"] = "auto"
     time: Duration = None
     step: Annotated[

@@ -25,6 +25,9 @@ from kshell.shell.problem import ShellProblem
 
 Floats = NDArray[np.float64]
 
+# relative asymmetry of the stiffness of a load that is rounding
+SYMMETRIC = 1e-9
+
 
 class ShellModel(FiniteModel):
     """A Koiter shell of either discretisation; x are displacements and rotations, or displacements and derivatives.
@@ -103,8 +106,20 @@ class ShellModel(FiniteModel):
         return vibration.energies(self.problem, vectors)
 
     def geometric_stiffness(self, solved: Solved) -> sp.csr_matrix:
-        self.problem.require_no_links()
-        return self.problem.reduction.reduce(self.problem.energy.geometric_stiffness(solved.own.stress))
+        problem = self.problem
+        problem.require_no_links()
+        out = problem.reduction.reduce(problem.energy.geometric_stiffness(solved.own.stress))
+        if not problem.loads.followers:
+            return out
+        still = np.zeros(problem.discretisation.unknowns)
+        turning = sum(follow(still)[1] for follow in problem.loads.followers.values())
+        reduced = problem.reduction.reduce(turning)
+        if abs(reduced - reduced.T).max() > SYMMETRIC * abs(reduced).max():
+            raise InputError(
+                "the stiffness of a pressure that turns with the surface is not symmetric where the edge of the "
+                "surface is free: leave follower out, or hold the edge"
+            )
+        return (out - 0.5 * (reduced + reduced.T)).tocsr()
 
     def under(self, factors: Sequence[float], motion: float = 1.0) -> ShellModel:
         if self._solver is None:

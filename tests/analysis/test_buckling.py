@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.verify.cases import find
 from tests.analysis.test_modes import square
 
 P = np.pi**2
@@ -141,9 +142,49 @@ def test_lateral_buckling_of_a_narrow_cantilever():
 
 
 def test_deflection_before_buckling_is_warned_of():
-    loads = [*press(1), ks.Pressure(400.0)]
-    result = ks.buckling(square("SSSS", loads=loads, thickness=0.01))
-    assert any("before it buckles" in words for words in result.warnings)
+    loads = [*press(1), ks.Pressure(4.0)]
+    result = ks.buckling(square("SSSS", loads=loads, thickness=0.01), error="off")
+    assert any("before it buckles" in words and "kshell trace" in words for words in result.warnings)
+    assert result.modal["path"] == {"kind": "not followed", "factor": None}
+
+
+@pytest.mark.full
+def test_a_plate_that_bends_first_has_no_critical_point():
+    result = ks.buckling(square("SSSS", n=4, loads=[*press(1), ks.Pressure(4.0)], thickness=0.01))
+    assert result.modal["path"]["kind"] == "none"
+    assert any("no critical point up to the factor 6: it bends" in words for words in result.warnings)
+
+
+@pytest.mark.full
+def test_snap_through_is_told_beside_the_linear_factor():
+    """The hinged roof of Sze, Liu & Lo 2004 (12.7 thick): a limit load of about 2.2 kN, linear buckling at 10.7."""
+    mesh = ks.geometry.Cylinder(R=2540.0).mesh(4, 4, 2, ("mid", "hinge", "cut", "free"), (0, 0.1), (0, 254.0))
+    scene = ks.Scene(
+        mesh=mesh, thickness=12.7, material=ks.Isotropic(E=3.10275, nu=0.3),
+        supports=[ks.Fixed("hinge", "xyz"), ks.Symmetry(["mid", "cut"])],
+        loads=[ks.PointForce((2540.0, 0, 0), (-0.25, 0, 0))],
+    )  # fmt: skip
+    result = ks.buckling(scene, count=1)
+    assert result.modal["path"]["kind"] == "limit"
+    assert result.modal["path"]["factor"] == pytest.approx(2.2, rel=0.03)
+    assert factors(result)[0] > 4 * result.modal["path"]["factor"]
+    assert any("has a limit point at the factor 2.2" in words for words in result.warnings)
+
+
+def test_uniform_deflection_is_no_bending():
+    ring = find("shell.buckling.tube")
+    result = ring.solve(ring.runs[0])
+    assert not any("before it buckles" in words for words in result.warnings)
+
+
+def test_turning_pressure_on_a_free_edge_is_refused():
+    mesh = ks.geometry.Cylinder(R=1.0).mesh(4, 2, 2, ("u0", "u1", "v0", "v1"), (0, 1.0), (0, 1.0))
+    scene = ks.Scene(
+        mesh=mesh, thickness=0.01, material=ks.Isotropic(E=1.0, nu=0.3), supports=[ks.Clamped("u0")],
+        loads=[ks.Pressure(-1e-6, follower=True)],
+    )  # fmt: skip
+    with pytest.raises(ks.InputError, match="not symmetric where the edge of the surface is free"):
+        ks.buckling(scene, error="off")
 
 
 def test_stretched_plate_says_that_it_does_not_buckle():

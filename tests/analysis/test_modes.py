@@ -171,6 +171,29 @@ def test_warnings_say_what_does_not_act():
     assert any("planes of symmetry" in words for words in result.warnings)
 
 
+@pytest.mark.parametrize(
+    "options", [{}, {"model": "shell", "order": 2, "large_deflection": True, "error": "off"}]
+)
+def test_prestress_at_a_factor(options):
+    """Half of a load is the load halved; fixed loads act whole."""
+    half = ks.modes(square("SSSS", n=4, loads=pulled(4.0), thickness=0.1), count=1, prestress=0.5, **options)
+    whole = ks.modes(
+        square("SSSS", n=4, loads=pulled(2.0), thickness=0.1), count=1, prestress=True, **options
+    )
+    assert values(half) == pytest.approx(values(whole), rel=1e-9)
+    assert any("load factor 0.5" in words for words in half.model["reasons"])
+    fixed = ks.modes(
+        square("SSSS", n=4, loads=pulled(2.0, fixed=True), thickness=0.1), count=1, prestress=0.5, **options
+    )
+    assert values(fixed) == pytest.approx(values(whole), rel=1e-9)
+
+
+def pulled(force, **more):
+    """N_x = N_y = force."""
+    sides = {"x0": (-1, 0, 0), "x1": (1, 0, 0), "y0": (0, -1, 0), "y1": (0, 1, 0)}
+    return [ks.LineForce(on, tuple(force * c for c in way), **more) for on, way in sides.items()]
+
+
 def test_pressure_on_a_flat_plate_is_no_prestress():
     result = ks.modes(square("CCCC", loads=[ks.Pressure(1.0)]), count=1, prestress=True)
     assert any("cause no membrane forces" in words for words in result.warnings)

@@ -13,6 +13,7 @@ from kshell.verify.cases import (
     large,
     materials,
     modal,
+    modal_shells,
     polygons,
     rectangles,
     unstructured,
@@ -25,7 +26,7 @@ def all_cases() -> tuple[Case, ...]:
     """Every case."""
     families = (
         rectangles, polygons, circular, unstructured, materials, cylinders, doubly_curved, beams, gmsh_shells,
-        large, modal,
+        large, modal, modal_shells,
     )  # fmt: skip
     return tuple(one for family in families for one in family.cases())
 

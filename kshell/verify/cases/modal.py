@@ -33,7 +33,7 @@ class Eigen:
     """The frequency, or load factor, with a number (from 0); rigid motions are not counted."""
 
     number: int
-    kind: Literal["omega", "factor"] = "omega"
+    kind: Literal["omega", "frequency", "factor"] = "omega"
     elements: tuple[str, ...] = EVERY_ELEMENT
 
     def of(self, result: Result) -> float:
@@ -54,6 +54,8 @@ class Nearest:
 
 def _values(result: Result, kind: str) -> list[float]:
     values = [entry["value"] for entry in result.eigen if "name" not in entry]
+    if kind == "frequency":
+        return [value**0.5 / (2 * np.pi) for value in values]
     return [value**0.5 for value in values] if kind == "omega" else [v for v in values if v > 0]
 
 
