@@ -6,7 +6,7 @@ where x is normal).
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import Any
 
@@ -28,6 +28,8 @@ Ints = NDArray[np.integer]
 CENTROID = np.array([[1 / 3, 1 / 3]])
 MIDDLES = np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]])  # of the edges (0, 1), (1, 2), (0, 2)
 SAME = 1e-9  # stresses that differ by rounding
+# points times triangles in whose values they are looked for at a time: many points in one triangle, or few in many
+AT_A_TIME = 1024
 AT_VERTEX = 1.0 - 1e-6  # barycentric coordinate from which a point counts as the vertex
 
 
@@ -112,10 +114,15 @@ class ShellFields:
             normal of the frame, each (n, 3), Q (n, 2) except of order 1, and distance (n,) to the point used.
         """
         found = self.find(np.asarray(points, dtype=float))
-        rows = [
-            self._shown(self._beside(int(t), xi)) for t, xi in zip(found.triangles, found.xi, strict=True)
-        ]
-        return self._together(rows, points)
+        out = self._values(found.triangles, found.xi)
+        if self.rows.extra:
+            weights = np.concatenate([1 - found.xi.sum(axis=1, keepdims=True), found.xi], axis=1)
+            for k in np.flatnonzero((weights <= 1 - AT_VERTEX).any(axis=1)):
+                beside = self._beside(int(found.triangles[k]), found.xi[k])
+                if len(beside) > 1:
+                    for name, value in self._shown(beside).items():
+                        out[name][k] = value
+        return {**out, "distance": np.linalg.norm(out["x"] - points, axis=1)}
 
     def on(self, points: Floats, group: str) -> dict[str, Floats]:
         """The same on the triangles of a surface group."""
@@ -175,24 +182,50 @@ class ShellFields:
         return out
 
     def _at(self, triangle: int, xi: Floats) -> dict[str, Floats]:
-        one = np.array([triangle])
-        u, rotation = self._recovered.displacement(xi[None], one)
-        found, tensors = self._recovered.tensors(xi[None], one)
-        values = {name: part[0, 0] for name, part in tensors.items()}
-        frame = found.axes[0, 0]
-        barycentric = np.array([1 - xi.sum(), *xi])
-        corner = int(barycentric.argmax())
-        at_corner = barycentric[corner] > AT_VERTEX
-        if at_corner:  # the mean of all triangles there is closer than the value of one
+        return {name: part[0] for name, part in self._values(np.array([triangle]), xi[None]).items()}
+
+    def _values(self, triangles: Ints, xi: Floats) -> dict[str, Floats]:
+        """Values at one reference point (n, 2) in each of some triangles (n,)."""
+        parts, order = [], np.argsort(triangles, kind="stable")
+        for block in _blocks(triangles[order]):
+            mine = order[block]
+            some, which = np.unique(triangles[mine], return_inverse=True)
+            pick = which, np.arange(len(mine))
+            u, rotation = self._recovered.displacement(xi[mine], some)
+            found, tensors = self._recovered.tensors(xi[mine], some)
+            part = {"x": found.position[pick], "u": u[pick], "rotation": rotation[pick]}
+            part |= {"M": tensors["moment"][pick], "N": tensors["membrane_force"][pick]}
+            part |= {name: t[pick] for name, t in tensors.items() if name not in ("moment", "membrane_force")}
+            frame = found.axes[pick]
+            if not self.recovery.constant_moments:
+                shear = self._recovered.shear(xi[mine], some)[pick]
+                part["Q"] = np.einsum("nax,nx->na", frame[:, :2], shear)
+            parts.append({**part, "axis_1": frame[:, 0], "normal": frame[:, 2]})
+        back = np.argsort(order)
+        out = {name: np.concatenate([part[name] for part in parts])[back] for name in parts[0]}
+        barycentric = np.concatenate([1 - xi.sum(axis=1, keepdims=True), xi], axis=1)
+        at_corner = np.flatnonzero(barycentric.max(axis=1) > AT_VERTEX)
+        if len(at_corner):  # the mean of all triangles there is closer than the value of one
+            place = triangles[at_corner], barycentric[at_corner].argmax(axis=1)
             corners, frames = self._vertices.corners
-            values = {name: part[triangle, corner] for name, part in corners.items()}
-            frame = frames[triangle, corner]
-            rotation = self._vertices.corner_rotation[triangle, corner][None, None]
-        out = {"x": found.position[0, 0], "u": u[0, 0], "rotation": rotation[0, 0]}
-        out |= {"M": values.pop("moment"), "N": values.pop("membrane_force"), **values}
-        if not self.recovery.constant_moments:
-            if at_corner:
-                out["Q"] = self._vertices.corner_shear[triangle, corner]
-            else:
-                out["Q"] = frame[:2] @ self._recovered.shear(xi[None], one)[0, 0]
-        return {**out, "axis_1": frame[0], "normal": frame[2]}
+            means = {{"moment": "M", "membrane_force": "N"}.get(name, name): c for name, c in corners.items()}
+            means |= {"rotation": self._vertices.corner_rotation, "axis_1": frames[:, :, 0]}
+            means |= {"normal": frames[:, :, 2]}
+            if "Q" in out:
+                means["Q"] = self._vertices.corner_shear
+            for name, mean in means.items():
+                out[name][at_corner] = mean[place]
+        return out
+
+
+def _blocks(triangles: Ints) -> Iterator[slice]:
+    """Slices of sorted triangles that are evaluated at a time, at the points of all of them."""
+    start, n = 0, len(triangles)
+    first = np.concatenate([[True], triangles[1:] != triangles[:-1]])
+    different = np.cumsum(first)
+    while start < n:
+        count = np.arange(1, n - start + 1)[:AT_A_TIME]
+        work = count * (different[start : start + len(count)] - different[start] + 1)
+        end = start + max(int(np.searchsorted(work, AT_A_TIME, side="right")), 1)
+        yield slice(start, end)
+        start = end
