@@ -22,6 +22,7 @@ PARTIALS = (
     ((1, 0), (0, 1)),
     ((2, 0), (1, 1), (0, 2)),
     ((3, 0), (2, 1), (1, 2), (0, 3)),
+    ((4, 0), (3, 1), (2, 2), (1, 3), (0, 4)),
 )
 
 
@@ -85,7 +86,7 @@ class DualBasis:
         points : (..., 2) array
             Reference coordinates; they may lie outside the triangle.
         order : int
-            0 to 3.
+            0 to 4.
 
         Returns
         -------

@@ -181,7 +181,7 @@ class Model(ABC):
         """
 
     def respond(self, load: Floats) -> Floats:
-        """(q,) unknowns under a load vector (q,) on them alone, on the factors of `solve`: for duals.
+        """(q,) or (q, n) unknowns under load vectors on them alone, on the factors of `solve`: for duals.
 
         Raises
         ------

@@ -12,10 +12,9 @@ from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interva
 from kshell.error.bounds import PlatePair
 from kshell.error.estimate import Estimate
 from kshell.error.goals import Goal
-from kshell.error.residual import PlateResidual
+from kshell.error.residual import Loaded, PlateResidual
 from kshell.mesh.mesh import Mesh
 from kshell.plate.domain import Domain
-from kshell.plate.loads import Loads
 from kshell.plate.model import PlateModel
 from kshell.plate.problem import PlateProblem
 from kshell.result.result import Result
@@ -35,26 +34,37 @@ def assess_residual(
 ) -> Assessment:
     """By residuals; d are physical degrees of freedom. At most so many dual solutions, for the first named probes."""
     problem = model.problem
-    residual = PlateResidual(problem)
-    own = residual.local(d, problem.loads.forms, problem.loads)
     at_rest = not np.any(problem.reduction.particular) and not problem.loads.curvatures
     out = Assessment(why_not=WHY_NOT)
+    chosen = list(names)[:duals]
+    new = [name for name in chosen if name not in model.duals]
+    cases = [Loaded(d, problem.loads.forms, problem.loads), *_dual_cases(model, new)]
+    own, *found = PlateResidual(problem).local(cases)
+    for name, case, eta in zip(new, cases[1:], found, strict=True):
+        model.duals[name] = case.d, eta
     out.energy = energy_interval(result.strain_energy, float(np.sqrt(own.sum())), at_rest, WHY_NOT)
-    out.marks[ENERGY] = own
-    out.parts[ENERGY] = 0.25 * own
-    reduction = problem.reduction.matrix()
-    for name in list(names)[:duals]:
-        row, triangle, at_vertex = deflection_row(problem, np.array(problem.structure.probes[name])[:2])
-        z = reduction @ model.respond(np.asarray(reduction.T @ row))
-        inner = [] if at_vertex else [np.array([triangle])]
-        dual = residual.local(np.asarray(z), [], Loads(), inner)
-        out.duals[name] = np.asarray(z)
+    out.marks[ENERGY], out.parts[ENERGY] = own, 0.25 * own
+    for name in chosen:
+        out.duals[name], dual = model.duals[name]
         out.parts[name] = np.sqrt(own * dual)
         half = float(out.parts[name].sum())
         out.probes[name] = _along_z(result.probes[name]["u"], half, LIKELY * half, "estimated")
         out.marks[name] = goal_marks(own, dual)
     out.geometry = geometry_share(problem.domain)
     return out
+
+
+def _dual_cases(model: PlateModel, names: Sequence[str]) -> list[Loaded]:
+    """The dual solutions of the deflections at probes."""
+    if not names:
+        return []
+    problem = model.problem
+    places = np.array([np.array(problem.structure.probes[name])[:2] for name in names])
+    rows, triangles, at_vertex = deflection_rows(problem, places)
+    reduction = problem.reduction.matrix()
+    z = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))
+    inner = [[] if known else [triangles[k : k + 1]] for k, known in enumerate(at_vertex)]
+    return [Loaded(z[:, k], inner=inner[k]) for k in range(len(names))]
 
 
 def assess_pair(pair: PlatePair, names: Sequence[str], strain_energy: float | None = None) -> Assessment:
@@ -110,17 +120,17 @@ def goal_marks(own: Floats, dual: Floats) -> Floats:
     return marks
 
 
-def deflection_row(problem: PlateProblem, xy: Floats) -> tuple[Floats, int, bool]:
-    """(dof,) the row of w at a place (2,), the triangle there, and whether the place is a vertex."""
-    found = problem.fields(np.zeros(problem.layout.count)).locator.find(xy[None])
-    triangle = found.triangles
-    affine = problem.domain.affine(triangle)
-    row = matrices.rows(problem.element, affine, found.xi, 0, problem.element.transformation(affine))
-    out = np.zeros(problem.layout.count)
-    np.add.at(out, problem.layout.triangle_dofs(triangle)[0], row.reshape(-1))
-    nearest = problem.mesh.points[vertex_at(problem.mesh, found.xy[0]), :2]
-    at_vertex = float(np.linalg.norm(nearest - found.xy[0])) <= AT_VERTEX * problem.mesh.size
-    return out, int(triangle[0]), at_vertex
+def deflection_rows(problem: PlateProblem, xy: Floats) -> tuple[Floats, Ints, NDArray[np.bool_]]:
+    """(dof, n) the rows of w at places (n, 2), (n,) the triangles there, and (n,) whether a place is a vertex."""
+    found = problem.locator.find(xy)
+    triangles = found.triangles
+    affine = problem.domain.affine(triangles)
+    rows = matrices.rows(problem.element, affine, found.xi, 0, problem.element.transformation(affine))
+    out = np.zeros((problem.layout.count, len(xy)))
+    np.add.at(out, (problem.layout.triangle_dofs(triangles), np.arange(len(xy))[:, None]), rows[:, 0, 0])
+    corners = problem.domain.points[problem.mesh.triangles[triangles]]
+    nearest = np.linalg.norm(corners - found.xy[:, None], axis=2).min(axis=1)
+    return out, triangles.astype(np.int64), nearest <= AT_VERTEX * problem.mesh.size
 
 
 def _along_z(u: Floats, half: float, expected: float, kind: str) -> Interval:

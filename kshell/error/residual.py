@@ -20,26 +20,45 @@ Source: Gustafsson, Stenberg & Videman, SIAM J. Sci. Comput. 40 (2018) B1297 (ar
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.quadrature import interval_rule, triangle_rule
-from kshell.elements.reference import VERTICES
+from kshell.error.tractions import POINTS, Tractions, tractions_of
 from kshell.mesh.refine import AROUND
-from kshell.plate.domain import EdgePatch
 from kshell.plate.forms import AreaSpring, EdgeSpring
 from kshell.plate.loading import AreaLoad, EdgeLoad, LinearForm
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.recovery import Fields
-from kshell.shell.reference import first_derivatives, lattice
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SCALE = 40.0
-POINTS = 4  # on edges: moments of quintics are cubics there
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A deflection with its loads.
+
+    Attributes
+    ----------
+    d : (dof,)
+        Physical degrees of freedom.
+    forms : sequence of LinearForm
+    loads : Loads
+        For initial curvatures; empty for duals.
+    inner : sequence of int arrays
+        Triangles that unit forces act inside.
+    """
+
+    d: Floats
+    forms: Sequence[LinearForm] = ()
+    loads: Loads = field(default_factory=Loads)
+    inner: Sequence[Ints] = ()
 
 
 class PlateResidual:
@@ -54,8 +73,7 @@ class PlateResidual:
     def __init__(self, problem: PlateProblem) -> None:
         self.problem, self.domain = problem, problem.domain
         mesh = problem.mesh
-        self.every = np.arange(len(mesh.triangles))
-        self.edges = np.arange(len(mesh.edges))
+        self.every = problem.every
         self.size: Floats = np.sqrt(2.0 * mesh.areas)
         bending = problem.bending.at(self.every, mesh.points[mesh.triangles, :2].mean(axis=1)[:, None])[:, 0]
         self.stiffness: Floats = np.minimum(bending[:, 0, 0], bending[:, 1, 1])
@@ -64,90 +82,79 @@ class PlateResidual:
         for group in problem.supports.held:
             self.held[group.line] = True
             self.turned[group.edges] = True
-        s, w = interval_rule(POINTS)
-        self._along, self._weights = _differentiation(s), w
-        corners = VERTICES[AROUND]  # (edge, end, 2)
-        self._on_sides = (corners[:, :1] + s[:, None] * (corners[:, 1:] - corners[:, :1])).reshape(-1, 2)
-        self.affine = self.domain.affine(self.every)
-        ends = self.affine.corners[:, AROUND]
-        step = ends[:, :, 1] - ends[:, :, 0]  # (T, edge, 2), walked counter-clockwise
-        self._length: Floats = np.hypot(step[..., 0], step[..., 1])
-        self._tangent: Floats = step / self._length[..., None]
-        start = mesh.triangles[:, AROUND]
-        self._ahead = start[..., 0] < start[..., 1]
-        self._second = np.arange(len(mesh.triangles))[:, None] != mesh.edge_owner[mesh.triangle_edges, 0]
-        self._patch = self.domain.edge_points(self.edges, s, w)
-        bent = self.domain.curves.edges[self.domain.curves.curved].astype(np.int64)
-        both = bent[mesh.edge_counts[bent] > 1]
-        self._bent = self.domain.edge_points(bent, s, w) if len(bent) else None
-        self._bent_inside = self.domain.edge_points(both, s, w, side=1) if len(both) else None
+        self.s, self.weights = interval_rule(POINTS)
 
-    def local(
-        self, d: Floats, forms: Sequence[LinearForm], loads: Loads, inner: Sequence[Ints] = ()
-    ) -> Floats:
-        """(T,) estimate of the square of the error in energy, triangle by triangle.
+    def local(self, cases: Sequence[Loaded]) -> list[Floats]:
+        """(T,) estimates of the square of the error in energy, triangle by triangle, of each deflection."""
+        problem = self.problem
+        d = np.stack([case.d for case in cases], axis=1)
+        tractions = tractions_of(problem, d, [case.loads for case in cases])
+        inside = self._inside(tractions, cases)
+        on_edges = self._on_edges(tractions, cases)
+        out = []
+        for number, case in enumerate(cases):
+            total = self.size**4 * inside[:, number]
+            total += on_edges[:, number][problem.mesh.triangle_edges].sum(axis=1)
+            for triangles in case.inner:
+                total[triangles] += self.size[triangles] ** 2
+            out.append(np.asarray(total / self.stiffness / SCALE**2))
+        return out
 
-        Parameters
-        ----------
-        d : (dof,)
-            Physical degrees of freedom of the deflection.
-        forms : sequence of LinearForm
-            The loads of the deflection.
-        loads : Loads
-            For initial curvatures; empty for duals.
-        inner : sequence of int arrays
-            Triangles that unit forces act inside.
-        """
-        p = self.problem
-        fields = Fields(p.domain, p.layout, p.bending, p.section, loads, d)
-        out = self.size**4 * self._inside(fields, forms)
-        on_edges = self._on_edges(fields, forms)
-        out += on_edges[p.mesh.triangle_edges].sum(axis=1)
-        for triangles in inner:
-            out[triangles] += self.size[triangles] ** 2
-        scaled: Floats = out / self.stiffness / SCALE**2
-        return scaled
-
-    def _inside(self, fields: Fields, forms: Sequence[LinearForm]) -> Floats:
-        """(T,) integral of the square of the missing pressure."""
-        domain = self.domain
-        affine = domain.affine(self.every)
-        nodes = lattice(2)
-        shear = fields.shear(self.every, nodes, self._xy(nodes))
+    def _inside(self, tractions: Tractions, cases: Sequence[Loaded]) -> Floats:
+        """(T, k) integral of the square of the missing pressure."""
         xi, w = triangle_rule(4)
-        xy = self._xy(xi)
-        # (direction, point, node) along the reference axes, then along x and y
-        slopes = np.einsum("aqk,tkv->tqav", first_derivatives(2, xi), shear)
-        missing = np.einsum("tqav,tav->tq", slopes, affine.inverse)
-        for load in forms:
-            if isinstance(load, AreaLoad):
-                chosen = self.every if load.triangles is None else load.triangles
-                missing[chosen] += load.values(chosen, xy[chosen])
-        for _, spring in self.problem.supports.springs:
-            if isinstance(spring, AreaSpring):
-                chosen = spring.triangles
-                w_there = fields.derivatives(chosen, xi, 0)[..., 0]
-                missing[chosen] -= spring.stiffness(xy[chosen]) * w_there
-        return np.asarray((missing**2 * w).sum(axis=1) * np.abs(affine.determinant))
+        missing = tractions.inside(xi)
+        affine = tractions.affine
 
-    def _xy(self, xi: Floats) -> Floats:
-        affine = self.affine
-        return np.asarray(affine.corners[:, None, 0] + xi @ np.swapaxes(affine.jacobian, 1, 2))
+        def xy(chosen: Ints) -> Floats:
+            jacobian = np.swapaxes(affine.jacobian[chosen], 1, 2)
+            return np.asarray(affine.corners[chosen][:, None, 0] + xi @ jacobian)
 
-    def _on_edges(self, fields: Fields, forms: Sequence[LinearForm]) -> Floats:
-        """(edge,) share times the squares of missing moments and forces."""
+        for number, case in enumerate(cases):
+            for load in case.forms:
+                if isinstance(load, AreaLoad):
+                    chosen = self.every if load.triangles is None else load.triangles
+                    missing[chosen, number] += load.values(chosen, xy(chosen))
+            for _, spring in self.problem.supports.springs:
+                if isinstance(spring, AreaSpring):
+                    chosen = spring.triangles
+                    w_there = self._fields(case).derivatives(chosen, xi, 0)[..., 0]
+                    missing[chosen, number] -= spring.stiffness(xy(chosen)) * w_there
+        return np.asarray((missing**2 * w).sum(axis=2) * np.abs(affine.determinant)[:, None])
+
+    def _fields(self, case: Loaded) -> Fields:
+        p = self.problem
+        return Fields(p.domain, p.layout, p.bending, p.section, case.loads, case.d)
+
+    def _on_edges(self, tractions: Tractions, cases: Sequence[Loaded]) -> Floats:
+        """(edge, k) share times the squares of missing moments and forces."""
         mesh = self.problem.mesh
-        moment, force = self._jumps(fields)
-        if self._bent is not None:
-            moment[self._bent.edges], force[self._bent.edges] = self._tractions(fields, self._bent)
-        if self._bent_inside is not None:
-            other, its_force = self._tractions(fields, self._bent_inside)
-            moment[self._bent_inside.edges] -= other
-            force[self._bent_inside.edges] += its_force
-        for load in forms:
+        moment, force = self._jumps(tractions)
+        curves = self.domain.curves
+        bent = curves.edges[curves.curved].astype(np.int64)
+        if len(bent):
+            moment[bent], force[bent] = tractions.along(self.domain.edge_points(bent, self.s, self.weights))
+            both = bent[mesh.edge_counts[bent] > 1]
+            if len(both):
+                other = self.domain.edge_points(both, self.s, self.weights, side=1)
+                its_moment, its_force = tractions.along(other)
+                moment[both] -= its_moment
+                force[both] += its_force
+        for number, case in enumerate(cases):
+            self._act(moment[:, number], force[:, number], case)
+        moment[self.turned] = 0.0
+        force[self.held] = 0.0
+        h = mesh.edge_lengths[:, None]
+        share = np.where(mesh.edge_counts == 1, 1.0, 0.5)[:, None] * h
+        squares = (moment**2 @ self.weights, force**2 @ self.weights)
+        return np.asarray(share * (h * squares[0] + h**3 * squares[1]))
+
+    def _act(self, moment: Floats, force: Floats, case: Loaded) -> None:
+        """Take what loads and springs exert off the missing moments and forces (edge, point)."""
+        for load in case.forms:
             if isinstance(load, EdgeLoad):
                 edges = np.unique(load.edges)
-                values = load.value(self._patch.xy[edges])
+                values = load.value(self.domain.edge_points(edges, self.s, self.weights).xy)
                 if load.moment:  # on outer edges only
                     moment[edges] -= values
                 else:
@@ -155,58 +162,26 @@ class PlateResidual:
         for _, spring in self.problem.supports.springs:
             if isinstance(spring, EdgeSpring):
                 edges = np.unique(spring.edges)
-                k = spring.stiffness(self._patch.xy[edges])
-                triangles, xi = self._patch.triangles[edges], self._patch.xi[edges]
+                at = self.domain.edge_points(edges, self.s, self.weights)
+                k, fields = spring.stiffness(at.xy), self._fields(case)
                 if spring.rotation:
-                    slope = fields.derivatives(triangles, xi, 1)
-                    moment[edges] -= k * (slope * self._patch.normal[edges]).sum(axis=2)
+                    slope = fields.derivatives(at.triangles, at.xi, 1)
+                    moment[edges] -= k * (slope * at.normal).sum(axis=2)
                 else:
-                    force[edges] += k * fields.derivatives(triangles, xi, 0)[..., 0]
-        moment[self.turned] = 0.0
-        force[self.held] = 0.0
-        h, w = mesh.edge_lengths, self._patch.weights
-        share = np.where(mesh.edge_counts == 1, 1.0, 0.5)
-        return np.asarray(share * (h * (moment**2 * w).sum(axis=1) + h**3 * (force**2 * w).sum(axis=1)))
+                    force[edges] += k * fields.derivatives(at.triangles, at.xi, 0)[..., 0]
 
-    def _jumps(self, fields: Fields) -> tuple[Floats, Floats]:
-        """(edge, point) M_nn less that of the other side, and V_n and that of the other side, along chords."""
+    def _jumps(self, tractions: Tractions) -> tuple[Floats, Floats]:
+        """(edge, k, point) M_nn less that of the other side, and V_n and that of the other side, along chords."""
         mesh = self.problem.mesh
-        shape = (len(self.every), 3, POINTS, -1)
-        xy = self._xy(self._on_sides)
-        m = fields.moment(self.every, self._on_sides, xy).reshape(shape)
-        q = fields.shear(self.every, self._on_sides, xy).reshape(shape)
-        tx, ty = self._tangent[..., 0, None], self._tangent[..., 1, None]
-        nx, ny = ty, -tx
-        normal = nx**2 * m[..., 0] + ny**2 * m[..., 1] + 2 * nx * ny * m[..., 2]
-        twist = nx * tx * m[..., 0] + ny * ty * m[..., 1] + (nx * ty + ny * tx) * m[..., 2]
-        force = nx * q[..., 0] + ny * q[..., 1] + twist @ self._along.T / self._length[..., None]
-        back = ~self._ahead
-        for values in (normal, force):
-            values[back] = values[back][:, ::-1]
-        normal[self._second] *= -1.0
-        out = np.zeros((2, len(mesh.edges), POINTS))
-        for side in (self._second, ~self._second):
-            out[:, mesh.triangle_edges[side]] += np.stack([normal[side], force[side]])
+        start = mesh.triangles[:, AROUND]
+        back = start[..., 0] > start[..., 1]  # walked against the edge
+        second = self.every[:, None] != mesh.edge_owner[mesh.triangle_edges, 0]
+        out = []
+        for values, sign in zip(tractions.sides(), (-1.0, 1.0), strict=True):
+            by_side = np.moveaxis(values, 2, 1)  # (T, side, k, point)
+            by_side[back] = by_side[back][..., ::-1]
+            total = np.zeros((len(mesh.edges), *by_side.shape[2:]))
+            total[mesh.triangle_edges[~second]] = by_side[~second]
+            total[mesh.triangle_edges[second]] += sign * by_side[second]
+            out.append(total)
         return out[0], out[1]
-
-    def _tractions(self, fields: Fields, patch: EdgePatch) -> tuple[Floats, Floats]:
-        """M_nn and V_n (n, point) of the triangles of a patch, by their outward normals."""
-        m = fields.moment(patch.triangles, patch.xi, patch.xy)
-        q = fields.shear(patch.triangles, patch.xi, patch.xy)
-        nx, ny = patch.normal[..., 0], patch.normal[..., 1]
-        tx, ty = -ny, nx
-        normal = nx**2 * m[..., 0] + ny**2 * m[..., 1] + 2 * nx * ny * m[..., 2]
-        twist = nx * tx * m[..., 0] + ny * ty * m[..., 1] + (nx * ty + ny * tx) * m[..., 2]
-        speed = patch.weights / self._weights
-        step = patch.xy[:, -1] - patch.xy[:, 0]
-        sense = np.sign(tx.mean(axis=1) * step[:, 0] + ty.mean(axis=1) * step[:, 1])[:, None]
-        change = sense * (twist @ self._along.T) / speed
-        return normal, nx * q[..., 0] + ny * q[..., 1] + change
-
-
-def _differentiation(s: Floats) -> Floats:
-    """(point, point) matrix that differentiates the polynomial through values at points."""
-    powers = np.vander(s, increasing=True)
-    slopes = np.zeros_like(powers)
-    slopes[:, 1:] = powers[:, :-1] * np.arange(1, len(s))
-    return np.asarray(slopes @ np.linalg.inv(powers))

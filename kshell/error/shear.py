@@ -27,15 +27,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.equilibrium.model import Model, Solved
-from kshell.error.plates import deflection_row
+from kshell.error.plates import deflection_rows
+from kshell.error.tractions import tractions_of
 from kshell.mesh.words import place
-from kshell.plate.corners import corner_angles
 from kshell.plate.loading import PointLoad
 from kshell.plate.loads import Loads
 from kshell.plate.model import PlateModel
 from kshell.plate.places import points_3d
 from kshell.plate.problem import PlateProblem
-from kshell.plate.recovery import Fields
 from kshell.result.result import Result
 from kshell.scene.supports import Clamped, Elastic, Fixed, SimplySupported, SoftSupported, Symmetry
 
@@ -105,48 +104,68 @@ def shear_share(
         return ShearShare(why_not=problem.section.without_shear)
     if not result.strain_energy > 0.0:
         return ShearShare(0.0, 0.0)
-    own = problem.fields(solved.x)
-    energy = _products(problem, own, own, None) / (2.0 * result.strain_energy)
+    d = np.asarray(solved.x)
+    centres = _singular(problem)
     if probe is None:
+        energy = _products(problem, [d], centres)[0] / (2.0 * result.strain_energy)
         return ShearShare(energy, energy)
     at = np.array(problem.structure.probes[probe])
     w = float(np.asarray(result.probes[probe]["u"])[2])
-    if not abs(w) > 1e-9 * np.abs(own.vertex_displacement).max():
+    if (
+        not abs(w)
+        > 1e-9 * np.abs(d[problem.layout.vertex_dofs(np.arange(problem.layout.vertex_count))[:, 0]]).max()
+    ):
+        energy = _products(problem, [d], centres)[0] / (2.0 * result.strain_energy)
         return ShearShare(None, energy, f"the deflection at {place(at)} is zero")
     if dual is None:
-        row, _, _ = deflection_row(problem, at[:2])
+        rows, _, _ = deflection_rows(problem, at[None, :2])
         reduction = problem.reduction.matrix()
-        dual = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ row)))
-    other = Fields(problem.domain, problem.layout, problem.bending, problem.section, Loads(), dual)
-    return ShearShare(abs(_products(problem, own, other, at[:2]) / w), energy)
+        dual = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))[:, 0]
+    both = _products(problem, [d, dual], centres, at[None, :2])
+    return ShearShare(abs(both[1] / w), both[0] / (2.0 * result.strain_energy))
 
 
-def _products(problem: PlateProblem, own: Fields, other: Fields, near: Floats | None) -> float:
-    """int Q . S^-1 Q' + int m_nt m'_nt lambda / D66 ds, farther than CUT thicknesses from singular places."""
-    centres = _singular(problem, near)
-    total = 0.0
+def _products(
+    problem: PlateProblem, deflections: list[Floats], centres: Floats, near: Floats | None = None
+) -> list[float]:
+    """int Q . S^-1 Q' + int m_nt m'_nt lambda / D66 ds of the first deflection with each, away from singular places.
+
+    Farther than CUT thicknesses from the centres (n, 2), and in products with others from near (m, 2), too.
+    """
+    totals = [0.0 for _ in deflections]
+    loads = [problem.loads, *(Loads() for _ in deflections[1:])]
+    tractions = tractions_of(problem, np.stack(deflections, axis=1), loads)
     for patch in problem.domain.patches(DEGREE):
         at = points_3d(problem.domain, patch.xy)
-        far = _far(patch.xy, centres, problem.section.thickness(patch.triangles, at))
-        q, other_q = (fields.shear(patch.triangles, patch.xi, patch.xy) for fields in (own, other))
-        strain = np.linalg.solve(problem.section.shear(patch.triangles, at), other_q[..., None])[..., 0]
-        total += float(((q * strain).sum(axis=-1) * patch.weights * far).sum())
+        thickness = problem.section.thickness(patch.triangles, at)
+        far = patch.weights * _far(patch.xy, centres, thickness)
+        shear = tractions.at(patch.triangles, patch.xi)[1]
+        compliance = np.linalg.inv(problem.section.shear(patch.triangles, at))
+        strain = (compliance @ shear[:, 0, :, :, None])[..., 0]
+        for number, q in enumerate(np.moveaxis(shear, 1, 0)):
+            if number and near is not None:
+                far = far * _far(patch.xy, near, thickness)
+            totals[number] += float(((q * strain).sum(axis=-1) * far).sum())
     edges = _soft_edges(problem)
     if not len(edges):
-        return total
+        return totals
     line = problem.domain.edge_patch(edges, EDGE_POINTS)
     at = points_3d(problem.domain, line.xy)
-    far = _far(line.xy, centres, problem.section.thickness(line.triangles, at))
+    thickness = problem.section.thickness(line.triangles, at)
     n = line.normal
     t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
     nx, ny, tx, ty = n[..., 0], n[..., 1], t[..., 0], t[..., 1]
     twist = np.stack([nx * tx, ny * ty, nx * ty + ny * tx], axis=-1)
-    m, other_m = (
-        (fields.moment(line.triangles, line.xi, line.xy) * twist).sum(axis=-1) for fields in (own, other)
-    )
+    moment = np.moveaxis(tractions.at(line.triangles, line.xi)[0], 1, 0)
+    m = (moment * twist).sum(axis=-1)
     d66 = (twist[..., None, :] @ problem.section.bending(line.triangles, at) @ twist[..., None])[..., 0, 0]
     along = (t[..., None, :] @ problem.section.shear(line.triangles, at) @ t[..., None])[..., 0, 0]
-    return total + float((m * other_m * np.sqrt(d66 / along) / d66 * line.weights * far).sum())
+    far = line.weights * _far(line.xy, centres, thickness) * np.sqrt(d66 / along) / d66
+    for number, other in enumerate(m):
+        if number and near is not None:
+            far = far * _far(line.xy, near, thickness)
+        totals[number] += float((m[0] * other * far).sum())
+    return totals
 
 
 def _far(xy: Floats, centres: Floats, thickness: Floats) -> NDArray[np.bool_]:
@@ -172,8 +191,8 @@ def _soft_edges(problem: PlateProblem) -> Ints:
     return boundary[~hard[boundary]].astype(np.int64)
 
 
-def _singular(problem: PlateProblem, near: Floats | None) -> Floats:
-    """(k, 2) places where shear forces grow without bound: corners, points that are held or loaded, and a probe."""
+def _singular(problem: PlateProblem) -> Floats:
+    """(k, 2) places where shear forces grow without bound: corners, and points that are held or loaded."""
     mesh, supports = problem.mesh, problem.supports
     held, turned = (np.zeros(len(mesh.edges), dtype=bool) for _ in range(2))
     vertices = [int(v) for group in supports.held for v in group.points]
@@ -181,7 +200,7 @@ def _singular(problem: PlateProblem, near: Floats | None) -> Floats:
         held[group.line] = True
         turned[group.edges] = True
     ends = mesh.edges[mesh.boundary_edges]
-    for v, angle in corner_angles(mesh, problem.domain.boundary).items():
+    for v, angle in problem.corner_angles.items():
         edges = mesh.boundary_edges[(ends == v).any(axis=1)]
         alike = held[edges].all() == held[edges].any() and turned[edges].all() == turned[edges].any()
         simple = bool((held[edges] & ~turned[edges]).all())
@@ -190,6 +209,4 @@ def _singular(problem: PlateProblem, near: Floats | None) -> Floats:
     vertices += problem.layout.fans.ends.tolist()
     places = [problem.domain.points[np.array(sorted(set(vertices)), dtype=np.int64)]]
     places += [np.reshape(form.xy, (1, 2)) for form in problem.loads.forms if isinstance(form, PointLoad)]
-    if near is not None:
-        places.append(near[None])
     return np.concatenate(places)

@@ -8,6 +8,8 @@ Nat. Congr. Appl. Mech. (1952) 325-329.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,8 +48,8 @@ def corner_angles(mesh: Mesh, shape: EdgeCurves | None = None) -> dict[int, floa
     return {v: float(total[v]) for v in corners}
 
 
-def singular_corners(mesh: Mesh, supports: Supports, shape: EdgeCurves | None = None) -> list[str]:
-    """Warnings about corners that need a mesh refined towards them."""
+def singular_corners(mesh: Mesh, supports: Supports, angles: Mapping[int, float]) -> list[str]:
+    """Warnings about corners that need a mesh refined towards them, from the `corner_angles`."""
     held = np.zeros(len(mesh.edges), dtype=bool)
     clamped = np.zeros(len(mesh.edges), dtype=bool)
     for group in supports.held:
@@ -61,7 +63,7 @@ def singular_corners(mesh: Mesh, supports: Supports, shape: EdgeCurves | None = 
         for v in mesh.edges[e].tolist():
             around.setdefault(v, []).append(e)
     obtuse, re_entrant = [], []
-    for v, angle in corner_angles(mesh, shape).items():
+    for v, angle in angles.items():
         edges = around[v]
         if angle > RE_ENTRANT:
             re_entrant.append((v, angle))

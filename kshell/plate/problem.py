@@ -17,7 +17,7 @@ from kshell.mesh.check import plate_problems
 from kshell.mesh.words import count, place
 from kshell.plate.assembly import Assembled, assemble, assemble_load
 from kshell.plate.conditions import SharedSlopes
-from kshell.plate.corners import singular_corners
+from kshell.plate.corners import corner_angles, singular_corners
 from kshell.plate.domain import Domain
 from kshell.plate.fans import make_fans
 from kshell.plate.forms import Bending, Form
@@ -27,6 +27,7 @@ from kshell.plate.layout import Layout
 from kshell.plate.loading import LOAD_DEGREE
 from kshell.plate.loads import Loads, apply_loads
 from kshell.plate.pattern import FullPattern, Pattern
+from kshell.plate.points import PlatePoints
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import require_held
@@ -194,14 +195,35 @@ class PlateProblem:
         return total
 
     def fields(self, d: Floats) -> Fields:
-        """What can be read off physical degrees of freedom."""
-        jump = None if self.lines is None else self.lines.jump
-        return Fields(self.domain, self.layout, self.bending, self.section, self.loads, d, jump)
+        """What can be read off physical degrees of freedom; those of the last ones are kept."""
+        known = self.__dict__.get("_known")
+        if known is None or known.d is not d or known.loads is not self.loads:
+            jump = None if self.lines is None else self.lines.jump
+            known = Fields(self.domain, self.layout, self.bending, self.section, self.loads, d, jump)
+            known.locator = self.locator
+            self.__dict__["_known"] = known
+        return known
+
+    @cached_property
+    def every(self) -> NDArray[np.int64]:
+        """All triangles; the batch that was assembled where there is but one, whose maps are then at hand."""
+        blocks = list(self.domain.blocks())
+        return blocks[0] if len(blocks) == 1 else np.arange(len(self.mesh.triangles))
+
+    @cached_property
+    def locator(self) -> PlatePoints:
+        """For values anywhere."""
+        return PlatePoints(self.domain)
+
+    @cached_property
+    def corner_angles(self) -> dict[int, float]:
+        """Interior angle at each corner of the boundary."""
+        known = self.domain.boundary if self.element.maxdeg > 2 else None  # Morley keeps to the chords
+        return corner_angles(self.mesh, known)
 
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
-        known = self.domain.boundary if self.element.maxdeg > 2 else None  # Morley keeps to the chords
-        corners = singular_corners(self.mesh, self.supports, known)
+        corners = singular_corners(self.mesh, self.supports, self.corner_angles)
         out = [*self.supports.warnings, *self.loads.warnings, *corners]
         ends = self.layout.fans.ends
         if len(ends):

@@ -98,16 +98,17 @@ class Fields:
     def shear(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
         """Q_x, Q_y (n, point, 2), the divergence of the moments."""
         third = self.derivatives(triangles, xi, 3)  # xxx, xxy, xyy, yyy
-        along_x = third[..., [0, 2, 1]] * np.array([1.0, 1.0, 2.0])
-        along_y = third[..., [1, 3, 2]] * np.array([1.0, 1.0, 2.0])
-        stiffness = self.bending.at(triangles, xy)
-        dx = -(stiffness @ along_x[..., None])[..., 0]
-        dy = -(stiffness @ along_y[..., None])[..., 0]
+        constant = self.bending.constant
+        if constant is None:
+            q = (shear_rows(self.bending.at(triangles, xy)) @ third[..., None])[..., 0]
+        else:
+            q = third @ np.swapaxes(shear_rows(constant[triangles]), 1, 2)
         if not self.section.constant_per_triangle or self.loads.curvatures:
             second = self.derivatives(triangles, xi, 2)
-            dx = dx + self._change(triangles, xy, second, np.array([1.0, 0.0]))
-            dy = dy + self._change(triangles, xy, second, np.array([0.0, 1.0]))
-        return np.stack([dx[..., 0] + dy[..., 2], dx[..., 2] + dy[..., 1]], axis=-1)
+            dx = self._change(triangles, xy, second, np.array([1.0, 0.0]))
+            dy = self._change(triangles, xy, second, np.array([0.0, 1.0]))
+            q = q + np.stack([dx[..., 0] + dy[..., 2], dx[..., 2] + dy[..., 1]], axis=-1)
+        return np.asarray(q)
 
     def _change(self, triangles: Ints, xy: Floats, second: Floats, direction: Floats) -> Floats:
         """How M changes along a direction because the stiffness or the initial curvature does."""
@@ -283,3 +284,15 @@ class Fields:
         corners = self.domain.mesh.triangles[found.triangles]
         moment, shear = self._fitted_moments
         return (weights @ moment[corners])[:, 0], (weights @ shear[corners])[:, 0]
+
+
+def shear_rows(stiffness: Floats) -> Floats:
+    """(..., 2, 4) Q = div (- D kappa) from w_xxx, w_xxy, w_xyy, w_yyy, for a constant stiffness D (..., 3, 3)."""
+    d = stiffness
+    qx = np.stack(
+        [d[..., 0, 0], 2 * d[..., 0, 2] + d[..., 2, 0], d[..., 0, 1] + 2 * d[..., 2, 2], d[..., 2, 1]], -1
+    )
+    qy = np.stack(
+        [d[..., 2, 0], 2 * d[..., 2, 2] + d[..., 1, 0], d[..., 2, 1] + 2 * d[..., 1, 2], d[..., 1, 1]], -1
+    )
+    return -np.stack([qx, qy], axis=-2)
