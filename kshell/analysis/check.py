@@ -10,7 +10,6 @@ from kshell.errors import InputError
 from kshell.mesh import Mesh, check
 from kshell.mesh.check import Quality, Summary
 from kshell.mesh.words import place
-from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
 from kshell.scene.structure import problems, resolve
 
@@ -69,7 +68,7 @@ def check_scene(scene: Scene, mesh: Mesh) -> Findings:
     except InputError as error:
         found.problems.append(str(error))
         return found
-    found.model = [*model.reasons, f"{model.unknowns} unknowns, {_regime(scene.solve)}"]
+    found.model = [*model.reasons, f"{model.unknowns} unknowns, {_regime(scene)}"]
     still = "there is no load"  # its own affair where loads do not act
     found.warnings.extend(
         words
@@ -79,12 +78,13 @@ def check_scene(scene: Scene, mesh: Mesh) -> Findings:
     return found
 
 
-def _regime(options: SolveOptions) -> str:
+def _regime(scene: Scene) -> str:
+    options = scene.solve
     if options.analysis in ("modes", "buckling", "response"):
         return {"modes": "natural frequencies", "buckling": "linear buckling", "response": "harmonic loads"}[
             options.analysis
         ]
-    if options.large_asked or options.analysis == "dynamic":
+    if options.large_asked or options.analysis == "dynamic" or scene.contact is not None:
         return "large deflections"
     return "small deflections" + (
         "" if options.large_deflection is False else ", large ones where they matter"

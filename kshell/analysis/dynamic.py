@@ -14,9 +14,9 @@ from kshell.analysis.first_mode import first_frequency
 from kshell.analysis.obstacles import barrier_of
 from kshell.analysis.run import Run, described
 from kshell.equilibrium.checkpoint import Store
+from kshell.equilibrium.contact.barrier import Barrier
 from kshell.equilibrium.model import NO_DENSITY, FiniteModel, Model
 from kshell.equilibrium.motion import saved
-from kshell.equilibrium.motion.contact import Barrier
 from kshell.equilibrium.motion.history import Observer, balance
 from kshell.equilibrium.motion.march import PER_PERIOD, Going, TimeSteps
 from kshell.equilibrium.motion.state import Motion

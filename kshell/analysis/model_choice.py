@@ -180,6 +180,8 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
         )
     if options.analysis == "dynamic":
         _require_motion(options)
+    if structure.touching:
+        _require_contact(options)
     followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
     if followers and options.large_deflection is False and options.analysis == "static":
         raise InputError(
@@ -215,6 +217,25 @@ def _require_motion(options: SolveOptions) -> None:
     if options.model == "plate" or options.element in ("morley", "hhj"):
         raise InputError(
             'a motion is that of a shell, flat ones too: leave model and element out, or model = "shell"'
+        )
+
+
+def _require_contact(options: SolveOptions) -> None:
+    """Refuse what does not go with contact, rather than leave it out."""
+    if options.analysis not in ("static", "dynamic"):
+        raise InputError(
+            f'contact is for analysis = "static" and "dynamic" (kshell solve, kshell simulate), not for '
+            f'"{options.analysis}": take one of them, or leave contact and obstacles out'
+        )
+    if options.large_deflection is False:
+        raise InputError("contact is computed with large deflections: leave large_deflection = false out")
+    if options.tolerance is not None:
+        raise InputError(
+            "tolerance: the error of what touches is not known: leave it out, and refine the mesh by hand"
+        )
+    if options.model == "plate" or options.element in ("morley", "hhj", "argyris"):
+        raise InputError(
+            'contact is that of a shell, flat ones too, with the element "koiter": leave model and element out'
         )
 
 
@@ -255,7 +276,7 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return "plate", f"kind plate: element {options.element} was asked for"
     if not flat:
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
-    if options.large_asked or options.analysis == "dynamic":
+    if options.large_asked or options.analysis == "dynamic" or structure.touching:
         return "shell", "kind shell: large deflections of a flat mesh stretch it"
     bends = options.analysis in BENDING
     stretching = next(_stretching(structure, moved=not bends), None)

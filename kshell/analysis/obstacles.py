@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.motion.contact import Barrier, Body, Surfaces, Touch
+from kshell.equilibrium.contact.barrier import Barrier, Body, Surfaces, Touch
 from kshell.equilibrium.problem import Problem
 from kshell.errors import InputError
 from kshell.mesh import read_mesh
@@ -40,7 +40,7 @@ def barrier_of(
     impact: float,
     inertia: float,
 ) -> tuple[Barrier, str]:
-    """The barrier of a motion, and in words what was taken.
+    """The barrier of a motion or of a growing load, and in words what was taken.
 
     Parameters
     ----------
@@ -53,7 +53,8 @@ def barrier_of(
     impact : float
         Kinetic energy per area at the start.
     inertia : float
-        Pressure per displacement in a vibration of the first mode, mass per area times its frequency squared.
+        Pressure per displacement: in a vibration of the first mode mass per area times its frequency squared, at rest
+        the resistance to being pushed.
 
     Raises
     ------
@@ -96,10 +97,11 @@ def barrier_of(
         np.linalg.norm(np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0]), axis=1).sum()
     )
     pressure = max(_pressure(loaded(time), len(points), area) for time in times)
+    driven = max(np.abs(loaded(time).reduction.given[: points.size]).max(initial=0.0) for time in times)
     travel = max(
         (float(np.linalg.norm(one.displacement(t))) for one in obstacles for t in times), default=0.0
     )
-    stiffness = STIFFER * (pressure + NARROW * inertia * travel) + impact / near
+    stiffness = STIFFER * (pressure + NARROW * inertia * max(travel, driven)) + impact / near
     if not stiffness > 0.0:
         raise InputError("contact: there is no load and no velocity, nothing moves: give one")
     touch = Touch(kept, near, stiffness, contact.friction, contact.speed, contact.self)

@@ -20,6 +20,7 @@ from kshell.errors import InputError, Interrupted, KshellWarning, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import shown
 from kshell.result.result import Result
+from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
 from kshell.scene.structure import resolve
 
@@ -225,11 +226,6 @@ def answer(
     if not isinstance(scene, Scene):
         raise InputError(f"{shown(scene)} is not a scene: make one with ks.Scene(...) or ks.Scene.load(path)")
     chosen = scene.solve.updated(**options)
-    if scene.contact is not None and chosen.analysis != "dynamic":
-        raise InputError(
-            'contact is for a motion, analysis = "dynamic" (kshell simulate), where drag brings it to rest: take that, '
-            "or leave contact and obstacles out"
-        )
     team = team_of(chosen.solver)
     if team is not None:
         require_parted(scene, chosen, resume)
@@ -246,8 +242,7 @@ def answer(
     clock = Clock(progress, time.perf_counter() - begin)
     where = None if folder is None else Path(folder)
     run = Run(scene, structure, chosen, clock, progress, where, resume)
-    refining = chosen.analysis == "static" and chosen.tolerance is not None
-    analyse = import_module(f"kshell.analysis.{'refined' if refining else chosen.analysis}").analyse
+    analyse = import_module(f"kshell.analysis.{_module(scene, chosen)}").analyse
     try:
         result: Result = answer_cases(run, analyse) if scene.cases else analyse(run.model(), run)
     except (SolveError, Interrupted) as error:
@@ -276,6 +271,15 @@ def _of_team(result: Result, team: Team | None) -> None:
 
 def _known(result: Result) -> Result:
     return result
+
+
+def _module(scene: Scene, options: SolveOptions) -> str:
+    """The module of an analysis; static ones are three."""
+    if options.analysis != "static":
+        return options.analysis
+    if scene.contact is not None:
+        return "touching"
+    return "static" if options.tolerance is None else "refined"
 
 
 def _of_scene(result: Result, scene: Scene) -> Result:

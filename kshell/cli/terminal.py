@@ -169,9 +169,11 @@ def _side(value: Any) -> str:
 def _print_history(out: Console, result: Result) -> None:
     history = result.history
     steps = len(history["time"]) - 1
+    moves = "momentum" in history
+    how = "momentum and impulse differ by" if moves else "loads, reactions and contact differ by"
     out.print(
-        f"motion: {steps} steps up to t = {number(history['time'][-1])}, {history['iterations'].sum()} iterations; "
-        f"momentum and impulse differ by {result.balance:.1e} of their size"
+        f"{'motion' if moves else 'at rest'}: {steps} steps up to t = {number(history['time'][-1])}, "
+        f"{history['iterations'].sum()} iterations; {how} {result.balance:.1e} of their size"
     )
     rows = []
     for name, values in history["probes"].items():
@@ -180,10 +182,18 @@ def _print_history(out: Console, result: Result) -> None:
         rows.append([name, *components(values["u"][row]), number(history["time"][row])])
     if rows:
         out.print(table(["probe", "x", "y", "z", "at t"], rows, "Largest displacements", 4))
+    forces = [
+        [name, *components(force[-1]), number(max((row @ row) ** 0.5 for row in force))]
+        for name, force in history.get("contact_force", {}).items()
+    ]
+    if forces:
+        gap = f"Forces on obstacles; smallest gap {number(min(history['smallest_gap']))}"
+        out.print(table(["obstacle", "x", "y", "z", "largest"], forces, gap, 4))
     names = ("kinetic_energy", "strain_energy", "external_work", "dissipated_energy")
     energies = [
         [name.replace("_", " "), number(history[name][-1]), number(abs(history[name]).max())]
         for name in names
+        if name in history
     ]
     out.print(table(["energy", "at the end", "largest"], energies, "Energies", 2))
 

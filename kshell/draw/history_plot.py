@@ -49,9 +49,11 @@ def history_figure(result: Result) -> Figure:
         upper.set_ylabel("displacement")
         upper.legend(fontsize=9)
     for name, label in ENERGIES.items():
-        lower.plot(time, result.history[name], linewidth=1.0, label=label)
-    total = result.history["kinetic_energy"] + result.history["strain_energy"]
-    lower.plot(time, total, color="black", linewidth=0.8, linestyle="--", label="kinetic + strain")
+        if name in result.history:
+            lower.plot(time, result.history[name], linewidth=1.0, label=label)
+    if "kinetic_energy" in result.history:
+        total = result.history["kinetic_energy"] + result.history["strain_energy"]
+        lower.plot(time, total, color="black", linewidth=0.8, linestyle="--", label="kinetic + strain")
     lower.set_xlabel("t")
     lower.set_ylabel("energy")
     lower.legend(fontsize=9)

@@ -21,6 +21,7 @@ from kshell.errors import SolveError
 Floats = NDArray[np.float64]
 Limits = Literal["follow", "jump", "stop"]
 
+# the last of these goes to the last load factor at once
 MOST_JUMPS = 4
 # how far beyond the limit point the load is at which the jump ends, relative to the load there, and at least this
 # part of the first step
@@ -81,6 +82,10 @@ def jump(course: Course, march: March, error: SolveError) -> tuple[March, Critic
     highest = state.factor if crossing is None else crossing.factor
     left, first = course.until - highest, course.span / course.steps
     further = max(BEYOND * abs(highest), LEAST_BEYOND * abs(first))
+    if (
+        march.jumps == MOST_JUMPS - 1 and course.limits == "jump"
+    ):  # the states between are many, the end is asked for
+        further = abs(left)
     factor = highest + float(np.sign(left)) * min(abs(left), further)
     try:
         found = relax(course.problem, state, factor)

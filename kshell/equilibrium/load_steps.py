@@ -40,7 +40,7 @@ SMALLEST_STEP = 1e-4
 # a step so small against the load so far ends the search for the limit point by halving
 CLOSE = 2e-3
 # steps of the load and of the arc length, all in all, besides twice those asked for
-MOST_ATTEMPTS = 150
+MOST_ATTEMPTS = 250
 # a step that ends on an unstable branch is repeated with smaller steps down to this part of the first one
 DOUBTFUL_STEP = 1.0 / 16.0
 # growth of the displacement per load from one step to the next that tells a jump over a limit point

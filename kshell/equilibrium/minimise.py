@@ -1,9 +1,10 @@
 """A stable equilibrium where Newton's method alone finds none: projected Newton steps with a line search.
 
 The true tangent is taken where it is positive definite, so that the end is quadratic. Where it is not, the matrices
-of the triangles lose their negative eigenvalues (Teran, Sifakis, Irving and Fedkiw, Proc. SCA 2005), which makes
-every step one of descent. The line search looks at the slope along the step, not at differences of the energy: these
-round away in thin shells, and loads that turn with the surface have no energy at hand.
+of the triangles and of pairs in contact lose their negative eigenvalues (Teran, Sifakis, Irving and Fedkiw, Proc. SCA
+2005), which makes every step one of descent. The line search looks at the slope along the step, not at differences of
+the energy: these round away in thin shells, and loads that turn with the surface have no energy at hand. With contact
+steps stop before surfaces meet.
 """
 
 from __future__ import annotations
@@ -18,23 +19,37 @@ Floats = NDArray[np.float64]
 
 MOST_ITERATIONS = 200
 FINISHED = 1e-13
+# change of x at which a step with contact is done, against the distance within which surfaces feel each other
+CLOSE = 1e-4
 # slope at the end of a step that goes too far, against that at its begin, and how often it is made shorter
-OVERSHOT, MOST_CUTS = 0.5, 25
+OVERSHOT, MOST_CUTS = 0.5, 30
 # a shorter step, against the last
 LEAST_CUT, MOST_CUT = 0.1, 0.5
 
 
-def minimise(problem: Problem, state: State, factor: float, most_iterations: int = MOST_ITERATIONS) -> State:
+def minimise(
+    problem: Problem,
+    state: State,
+    factor: float,
+    most_iterations: int = MOST_ITERATIONS,
+    close: float = CLOSE,
+) -> State:
     """A stable equilibrium at a load factor, downhill from a state, which may be far away.
+
+    Parameters
+    ----------
+    close : float
+        Change of x at which an equilibrium with contact is found, against the distance of contact.
 
     Raises
     ------
     SolveError
         If none is found.
     """
-    basis = problem.reduction.basis
-    x = state.x + problem.reduction.shift(state.factor, factor)
+    basis, touching = problem.reduction.basis, problem.touching
+    x = _shifted(problem, state, factor)
     for iteration in range(1, most_iterations + 1):
+        arrived = touching is None or touching.advance(x)
         energy, residual, growth = problem.evaluate(x, factor, 2, state.memory)
         if not np.isfinite(energy.value):
             break
@@ -44,27 +59,41 @@ def minimise(problem: Problem, state: State, factor: float, most_iterations: int
         if not true:
             energy, _, _ = problem.evaluate(x, factor, 2, state.memory, projected=True)
             tangent = problem.factorise(energy.hessian)
-        step = tangent.solve(reduced)
-        work = float(reduced @ step)
+        free = tangent.solve(reduced)
+        work, step = float(reduced @ free), basis @ free
         if not np.isfinite(work):
             break
+        part = 1.0 if touching is None else touching.largest_step(x, step)
         scale = problem.scale + abs(energy.value) + abs(factor * float(growth @ x))
-        if true and work <= FINISHED * scale:
-            found = State(factor, x + basis @ step, state.memory, iteration, 0, state.turned)
-            return problem.settle(found)
-        x = _along(problem, State(factor, x, state.memory), basis @ step, abs(work))
+        if arrived and part == 1.0:
+            near = touching is not None and touching.moved(step) <= close
+            if near or (true and work <= FINISHED * scale):
+                if touching is not None:
+                    touching.require_free(x + step)
+                negative = 0 if true else tangent.negative
+                found = State(factor, x + step, state.memory, iteration, negative, state.turned)
+                return problem.settle(found)
+        x = _along(problem, State(factor, x, state.memory), step, abs(work), part)
     raise SolveError(f"no stable equilibrium found at the load factor {factor:.6g} downhill", state=state)
 
 
-def _along(problem: Problem, state: State, step: Floats, slope: float) -> Floats:
-    """The unknowns after as much of a step as leads downhill.
+def _shifted(problem: Problem, state: State, factor: float) -> Floats:
+    """The unknowns after prescribed motions."""
+    shift = problem.reduction.shift(state.factor, factor)
+    touching = problem.touching
+    if touching is not None and np.any(shift) and touching.largest_step(state.x, shift) < 1.0:
+        raise SolveError("a prescribed motion brings surfaces together within the step", state=state)
+    return state.x + shift
+
+
+def _along(problem: Problem, state: State, step: Floats, slope: float, part: float) -> Floats:
+    """The unknowns after as much of a step as leads downhill, from a part of it on.
 
     Parameters
     ----------
     slope : float
         Work of the residual on the whole step at its begin.
     """
-    part = 1.0
     for _ in range(MOST_CUTS):
         x = state.x + part * step
         _, residual, _ = problem.evaluate(x, state.factor, 1, state.memory)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -24,6 +24,28 @@ SYMMETRIC = 1e-10
 
 # x -> force (unknowns,) and its derivative (unknowns, unknowns), at the full load
 Follower = Callable[[Floats], tuple[Floats, sp.csr_matrix]]
+
+
+class Touching(Protocol):
+    """Forces of contact, from a potential that grows without bound where surfaces meet."""
+
+    def gradient(self, x: Floats) -> Floats:
+        """(unknowns,) derivative of the potential: minus the forces on the shell."""
+
+    def hessian(self, x: Floats, projected: bool) -> sp.csr_matrix | None:
+        """(unknowns, unknowns) second derivative, without negative parts if projected; None where nothing touches."""
+
+    def advance(self, x: Floats) -> bool:
+        """Move obstacles toward where they end as far as x lets them; whether they are there."""
+
+    def largest_step(self, x: Floats, change: Floats) -> float:
+        """The part of a change of x that may be made before anything touches."""
+
+    def moved(self, change: Floats) -> float:
+        """Largest displacement in a change of x, against that within which forces of contact change."""
+
+    def require_free(self, x: Floats) -> None:
+        """Raise SolveError if something intersects."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +69,8 @@ class Problem:
         Strains without stress at the factor 1.
     scale : float
         Energy beside that of strains and loads, such as the kinetic one of a motion, against which the error counts.
+    touching : Touching, optional
+        Contact, which does not grow; for `minimise`.
     """
 
     energy: StrainEnergy
@@ -57,6 +81,7 @@ class Problem:
     constant: Floats | None = None
     initial: Floats | None = None
     scale: float = 0.0
+    touching: Touching | None = None
 
     def evaluate(
         self,
@@ -88,6 +113,10 @@ class Problem:
         if self.springs is not None:
             residual = residual - self.springs @ x
             tangent = None if tangent is None else self._springs_added.to(tangent, self.springs.tocsr())
+        if self.touching is not None:
+            residual = residual - self.touching.gradient(x)
+            bent = None if tangent is None else self.touching.hessian(x, projected)
+            tangent = tangent if bent is None else tangent + bent
         return energy._replace(hessian=tangent), residual, growth
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What a moving shell touches: itself and obstacles."""
+"""What a shell touches: itself and obstacles."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class Contact:
         From which surfaces feel each other, beyond the thickness; auto: a tenth of the smallest edge, at most half of
         the smallest distance at the start.
     speed : float [length / time]
-        Of sliding up to which friction sticks.
+        Of sliding up to which friction sticks; at rest it slides by the way at this speed in a unit of time, at most.
 
     Examples
     --------

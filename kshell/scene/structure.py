@@ -108,6 +108,8 @@ class Structure:
         Whether parts may move as rigid bodies.
     masses : tuple of Placed
         Added ones, one for each name.
+    touching : bool
+        Whether it touches itself or obstacles.
     """
 
     space: Mesh
@@ -123,6 +125,7 @@ class Structure:
     title: str = ""
     movable: bool = False
     masses: tuple[Placed[Mass], ...] = ()
+    touching: bool = False
 
     def on(self, space: Mesh) -> Structure:
         """The same with vertices moved."""
@@ -178,6 +181,8 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
         scene.imperfection,
         scene.title,
         masses=masses,
+        movable=scene.contact is not None,  # until it touches what holds it
+        touching=scene.contact is not None,
     )
 
 

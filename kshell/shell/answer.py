@@ -49,7 +49,8 @@ def answer_state(problem: ShellProblem, state: State, work: float, inertia: Floa
     if inertia is not None:
         residual, loads = residual + inertia, [*loads, inertia]
     solution = LinearSolution(state.x, -residual, np.zeros(0), ())
-    result = _answer(problem, solution, state_fields(problem, state), loads, state.x)
+    fields = state_fields(problem, state)
+    result = _answer(problem, solution, fields, loads, state.x, pushed=inertia is not None)
     result.external_work = work
     return result
 
@@ -88,15 +89,16 @@ def _answer(
     fields: ShellFields,
     loads: list[Floats],
     moved: Floats | None = None,
+    pushed: bool = False,
 ) -> Result:
-    """Result of any solution; forces act at places displaced by `moved`."""
+    """Result of any solution; forces act at places displaced by `moved`; `pushed`: others than loads act, too."""
     groups, balance = find_reactions(
         problem.discretisation, problem.supports, solution, loads, problem.reduction, moved
     )
     energies = _energies(problem, fields.recovery, solution)
     largest = float(np.abs(solution.x / problem.discretisation.unknown_sizes()).max())
     stretch = problem.energy.section.membrane.max() * largest**2
-    if sum(energies.values()) <= NO_STRAIN * stretch:
+    if sum(energies.values()) <= NO_STRAIN * stretch and not pushed:
         balance = 0.0  # moved along without strain: all forces are rounding
     warnings = problem.warnings()
     if balance > UNBALANCED:

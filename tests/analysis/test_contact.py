@@ -125,11 +125,9 @@ def test_drape_over_a_ball(ipctk):
     nothing_crosses(result, scene)
 
 
-@pytest.mark.full
-def test_a_plate_that_moves_presses(ipctk):
-    """A strip on two supports is pressed down by a cylinder that moves: it follows, with the force on the cylinder."""
-    down = "-0.02*min(t/0.06, 1)"
-    scene = ks.Scene(
+def pressed(down, **changes):
+    """A strip on two supports under a cylinder that moves down."""
+    given = dict(
         mesh=large_scenes.rectangle(0.4, 0.05, 8, 1),
         thickness=2e-3,
         material=ks.Isotropic(E=1e9, nu=0.0, density=1000.0),
@@ -143,6 +141,15 @@ def test_a_plate_that_moves_presses(ipctk):
                 name="tool",
             )
         ],
+    )
+    return ks.Scene(**{**given, **changes})
+
+
+@pytest.mark.full
+def test_a_plate_that_moves_presses(ipctk):
+    """A strip follows the cylinder that presses it down, with the force on the cylinder."""
+    scene = pressed(
+        "-0.02*min(t/0.06, 1)",
         damping={"drag": 400.0},
         solve={"time": 0.12, "step": 3e-3, "scheme": "euler", "order": 2},
     )
@@ -152,6 +159,71 @@ def test_a_plate_that_moves_presses(ipctk):
     w = -result.probe("middle")["u"][2]
     force = 48 * 1e9 * inertia * w / 0.4**3
     assert result.history["contact_force"]["tool"][-1, 2] == pytest.approx(force, rel=0.1)
+
+
+@pytest.mark.full
+def test_pressed_to_rest(ipctk):
+    """Without inertia: the force on the tool, the balance, and its work, which the strip stores."""
+    result = ks.solve(pressed("-0.02*t", solve={"order": 2}))
+    w = -result.probe("middle")["u"][2]
+    force = 48 * 1e9 * 0.05 * 2e-3**3 / 12 * w / 0.4**3
+    assert w == pytest.approx(0.019, abs=1.2e-3)
+    tool = result.history["contact_force"]["tool"]
+    assert tool[-1, 2] == pytest.approx(force, rel=0.03)
+    held = sum(result.reactions[name]["force"][2] for name in ("x0", "x1"))
+    assert held == pytest.approx(tool[-1, 2], rel=1e-6)
+    assert result.external_work == pytest.approx(result.strain_energy, rel=0.02)
+    assert result.balance < 1e-8
+    assert result.history["time"][-1] == 1.0
+    assert (np.diff(tool[:, 2]) > 0).all()
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_a_sheet_at_rest_on_a_floor(ipctk, friction):
+    """Nothing else holds it: it comes down, and the floor carries all of the weight."""
+    scene = patch(friction, loads=[ks.Gravity((0, 0, -G))], solve={"order": 1})
+    result = ks.solve(scene)
+    floor = result.history["contact_force"]["floor"]
+    assert floor[-1] == pytest.approx([0, 0, -PATCH * G], abs=1e-6 * PATCH * G)
+    assert result.balance < 1e-6
+    assert abs(result.probe("middle")["u"][2]) < 1.5e-3
+    assert result.history["smallest_gap"].min() > 0.0
+
+
+def test_friction_at_rest(ipctk):
+    """On an incline a sheet rests where mu is above tan 20 = 0.364, by friction; below it slides away."""
+    sticks = patch(0.4, solve={"order": 1})
+    result = ks.solve(sticks)
+    floor = result.history["contact_force"]["floor"][-1]
+    assert floor == pytest.approx(
+        PATCH * G * np.array([np.sin(SLOPE), 0, -np.cos(SLOPE)]), abs=1e-6 * PATCH * G
+    )
+    slides = patch(0.3, solve={"order": 1})
+    with pytest.raises(ks.SolveError, match=r"moves on and on|not at rest") as caught:
+        ks.solve(slides)
+    assert caught.value.state.history["time"][-1] < 1.0
+
+
+@pytest.mark.full
+def test_drape_to_rest(ipctk):
+    """A sheet on a ball at rest: the ball carries its weight, nothing crosses."""
+    scene = ks.Scene(
+        mesh=large_scenes.rectangle(0.5, 0.5, 6, 6),
+        thickness=2e-3,
+        material=ks.Isotropic(E=1e6, nu=0.3, density=500.0),
+        loads=[ks.Gravity((0, 0, -G))],
+        probes={"corner": (0.5, 0.5, 0)},
+        contact=ks.Contact(friction=0.3),
+        obstacles=[
+            ks.Obstacle({"kind": "sphere", "centre": (0.253, 0.252, -0.126), "radius": 0.12}, name="ball")
+        ],
+        solve={"order": 1},
+    )
+    result = ks.solve(scene)
+    assert result.history["contact_force"]["ball"][-1] == pytest.approx([0, 0, -0.25 * G], abs=1e-6)
+    assert result.balance < 1e-6
+    nothing_crosses(result, scene)
+    assert result.probe("corner")["u"][2] < -0.2
 
 
 def test_a_sheet_folds_on_itself(ipctk):
@@ -183,8 +255,16 @@ def test_wrong_starts_are_refused(ipctk):
             ks.simulate(patch(0.0, **changes))
     with pytest.raises(ks.InputError, match="em"):
         ks.simulate(patch(0.0), scheme="em")
-    with pytest.raises(ks.InputError, match="contact is for a motion"):
-        ks.solve(patch(0.0, supports=[ks.Clamped("x0")]))
+    held = patch(0.0, supports=[ks.Clamped("x0")], solve={})
+    for options, words in (
+        ({"analysis": "modes"}, "contact is for analysis"),
+        ({"analysis": "path"}, "contact is for analysis"),
+        ({"large_deflection": False}, "large deflections"),
+        ({"tolerance": 0.01}, "refine the mesh by hand"),
+        ({"model": "plate"}, "that of a shell"),
+    ):
+        with pytest.raises(ks.InputError, match=words):
+            ks.solve(held, **options)
 
 
 def test_words_of_contact_in_scene_files(tmp_path):

@@ -41,6 +41,7 @@ class Observed:
 
     motion: Motion
     net: Floats  # (3,) sum of all forces
+    pressing: dict[str, Floats]  # (3,) force on each obstacle
     acting: Floats  # (unknowns,) loads and reactions
 
 
@@ -71,7 +72,9 @@ class Observer:
         rigid = self.rigid(motion.x)
         inertia = mass @ self.acceleration(motion)
         held = motion.force - inertia  # less what supports exert
-        seen = Observed(motion, rigid[:, :3].T @ inertia, motion.load - held)
+        barrier = self.integrator.barrier
+        pressing = {} if barrier is None else barrier.on_obstacles(motion.x)
+        seen = Observed(motion, rigid[:, :3].T @ inertia, pressing, motion.load - held)
         moving = mass @ motion.velocity
         momenta = rigid.T @ moving
         work, dissipated, impulse = 0.0, 0.0, np.zeros(3)
@@ -81,6 +84,8 @@ class Observer:
             turned = motion.state.turned - before.motion.state.turned
             moved = motion.x - before.motion.x + turned
             work = last[3] + 0.5 * float((before.acting + seen.acting) @ moved)
+            if barrier is not None:
+                work += barrier.work(before.pressing, pressing, before.motion.time, motion.time)
             damping = 0.5 * (before.motion.damping + motion.damping)
             dissipated = last[4] + float(damping @ moved)
             share = self.integrator.end_share
@@ -88,10 +93,9 @@ class Observer:
         row = [motion.time, 0.5 * float(motion.velocity @ moving), motion.strain_energy, work, dissipated]
         row += [*momenta, *impulse, *-(rigid[:, :3].T @ held), motion.state.iterations]
         row += [float(part @ motion.x) for rows in self.probes.values() for part in rows]
-        barrier = self.integrator.barrier
         if barrier is not None:
             row.append(barrier.gap(motion.x))
-            row += [part for force in barrier.on_obstacles(motion.x).values() for part in force]
+            row += [part for force in pressing.values() for part in force]
         self.rows.append(np.array(row))
         self._last = seen
 

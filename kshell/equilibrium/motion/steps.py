@@ -15,9 +15,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import splu
 
+from kshell.equilibrium.contact.barrier import Barrier
 from kshell.equilibrium.minimise import minimise
-from kshell.equilibrium.motion.contact import Barrier
-from kshell.equilibrium.motion.downhill import downhill
 from kshell.equilibrium.motion.energies import Middle, Viscous
 from kshell.equilibrium.motion.schemes import Alpha, Bdf2, Euler, Scheme, earlier
 from kshell.equilibrium.motion.state import Before, Motion
@@ -181,7 +180,7 @@ class Integrator:
             found = self._converged(step, before_it)
         else:
             self.barrier.begin(motion.x, motion.time, motion.time + size)
-            found = downhill(step, self.barrier, before_it)
+            found = minimise(replace(step, touching=self.barrier), before_it, 1.0)
         self._kept = {key: step.__dict__[key] for key in KEPT if key in step.__dict__}
         return found
 

@@ -9,7 +9,8 @@ of the start of each step. All of it is computed by ipctk, on a triangulation of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,9 @@ Ints = NDArray[np.integer]
 MISSING = 'contact needs the package ipctk: pip install "kshell[contact]"'
 # part of the step to the first touch that is made
 BACK = 0.9
+# obstacles that move leave this part of the smallest gap, and wait where it is below a part of the distance, until the
+# shell has followed: a step moves it by less than another part of the distance
+LEFT, LOW, CALM = 0.5, 0.1, 0.1
 
 
 @dataclass(frozen=True)
@@ -97,7 +101,8 @@ class Surfaces:
     """
 
     def __init__(self, points: Floats, faces: Ints, bodies: Sequence[Body], of_itself: bool) -> None:
-        self.ipc, self.bodies, self.count = library(), bodies, len(points)
+        self.ipc, self.count = library(), len(points)
+        self.bodies = [replace(body, displacement=lru_cache(8)(body.displacement)) for body in bodies]
         places, parts = [points], [faces]
         self.ranges: dict[str, slice] = {}
         first = len(points)
@@ -123,6 +128,11 @@ class Surfaces:
         for body in self.bodies:
             out[self.ranges[body.name]] += body.displacement(time)
         return np.asfortranarray(out)
+
+    def travel(self, begin: float, end: float) -> Floats:
+        """(body, 3) displacements of obstacles between two times."""
+        moved = [body.displacement(end) - body.displacement(begin) for body in self.bodies]
+        return np.array(moved).reshape(-1, 3)
 
     def collisions(self, places: Floats, distance: float, thickness: float) -> Any:
         """All pairs nearer than a distance beyond the thickness."""
@@ -179,7 +189,8 @@ class Barrier:
         self._clamped, self._true = ipc.PSDProjectionMethod.CLAMP, ipc.PSDProjectionMethod.NONE
         self._ccd = ipc.AdditiveCCD()
         self._sliding: Any = None
-        self._start = surfaces.rest
+        self._calm = True
+        self._start, self._slip = surfaces.rest, touch.speed
         self._begin, self._end, self._made = (
             0.0,
             0.0,
@@ -187,32 +198,67 @@ class Barrier:
         )  # the last: of the way of obstacles within the step
         self._near: tuple[Floats, Any] | None = None  # places and their pairs, as last asked for
 
-    def begin(self, x: Floats, begin: float, end: float) -> None:
-        """A step from x between two times; obstacles that move start where they were."""
+    def begin(
+        self, x: Floats, begin: float, end: float, arrived: bool = False, slip: float | None = None
+    ) -> None:
+        """A step from x between two times.
+
+        Parameters
+        ----------
+        arrived : bool
+            Whether obstacles that move are where they end, not where they start.
+        slip : float, optional
+            Way up to which friction sticks, instead of that of its speed in the time of the step.
+        """
         surfaces = self.surfaces
         self._begin, self._end = begin, end
-        self._start = surfaces.at(x, begin)
-        self._made = 1.0 if np.array_equal(self._start, surfaces.at(x, end)) else 0.0
-        self._sliding = None
+        self._slip = self.touch.speed * (end - begin) if slip is None else slip
+        there = surfaces.at(x, end)
+        self._start = there if arrived else surfaces.at(x, begin)
+        self._made = 1.0 if np.array_equal(self._start, there) else 0.0
+        self._sliding, self._calm = None, True
+        self._press(self._start)
+
+    def press_again(self, x: Floats) -> None:
+        """Friction by the normal forces at x, sliding still counted from the begin of the step."""
+        self._press(self._at(x))
+
+    def _press(self, places: Floats) -> None:
         if self._friction is not None:
-            near = self._pairs(self._start)
+            near, surfaces = self._pairs(places), self.surfaces
             self._sliding = surfaces.ipc.TangentialCollisions()
-            self._sliding.build(surfaces.mesh, self._start, near, self._barrier, self.touch.friction)
+            self._sliding.build(surfaces.mesh, places, near, self._barrier, self.touch.friction)
 
     def advance(self, x: Floats) -> bool:
         """Move obstacles toward their places at the end of the step as far as x lets them; whether they are there."""
-        if self._made < 1.0:
-            part = self._free(self._at(x), self.surfaces.at(x, self._end))
-            self._made = 1.0 if part >= 1.0 else self._made + BACK * part * (1.0 - self._made)
+        if self._made == 1.0:
+            return True
+        touch, before = self.touch, self._at(x)
+        gap = self._gap_of(before)
+        if gap < LOW * touch.distance and not self._calm:
+            return False
+        part = self._free(before, self.surfaces.at(x, self._end))
+        made = 1.0 if part >= 1.0 else BACK * part
+        while self._gap_of(self._between(x, self._made + made * (1.0 - self._made))) < LEFT * gap:
+            made *= 0.5
+        self._made += made * (1.0 - self._made)
         return self._made == 1.0
 
     def _at(self, x: Floats) -> Floats:
         """(point, 3) places, obstacles as far as they have come."""
+        return self._between(x, self._made)
+
+    def _between(self, x: Floats, made: float) -> Floats:
+        """(point, 3) places, obstacles after a part of their way."""
         places = self.surfaces.at(x, self._end)
-        if self._made < 1.0:
-            rest = (1.0 - self._made) * (self.surfaces.at(x, self._begin) - places)
+        if made < 1.0:
+            rest = (1.0 - made) * (self.surfaces.at(x, self._begin) - places)
             places = np.asfortranarray(places + rest)
         return places
+
+    def _gap_of(self, places: Floats) -> float:
+        touch = self.touch
+        return self.surfaces.gap(places, touch.distance + touch.thickness) - touch.thickness
 
     def gradient(self, x: Floats) -> Floats:
         """(unknowns,) derivative of the potential: minus the forces on the shell."""
@@ -234,7 +280,12 @@ class Barrier:
         return self._near[1]
 
     def _velocity(self, places: Floats) -> Floats:
-        return np.asfortranarray((places - self._start) / (self._end - self._begin))
+        return np.asfortranarray((places - self._start) / self._duration)
+
+    @property
+    def _duration(self) -> float:
+        """Time in which the way of sticking is gone at its speed."""
+        return self._slip / self.touch.speed
 
     def _on_shell(self, forces: Floats) -> Floats:
         out = np.zeros(self.unknowns)
@@ -250,7 +301,7 @@ class Barrier:
         found = self._barrier.hessian(near, surfaces.mesh, places, kind)
         if self._sliding is not None:
             sliding = self._friction.hessian(self._sliding, surfaces.mesh, self._velocity(places), kind)
-            found = found + sliding / (self._end - self._begin)
+            found = found + sliding / self._duration
         n = 3 * surfaces.count
         found = found.tocsr()[:n, :n]
         if not found.nnz:
@@ -260,8 +311,14 @@ class Barrier:
 
     def largest_step(self, x: Floats, change: Floats) -> float:
         """The part of a change of x that may be made before anything touches."""
+        self._calm = self.moved(change) < CALM
         part = self._free(self._at(x), self._at(x + change))
         return 1.0 if part >= 1.0 else BACK * part
+
+    def moved(self, change: Floats) -> float:
+        """Largest displacement in a change of x, against that within which forces of contact change."""
+        felt = self.touch.distance if self._sliding is None else min(self.touch.distance, self._slip)
+        return float(np.abs(change[: 3 * self.surfaces.count]).max(initial=0.0)) / felt
 
     def _free(self, before: Floats, after: Floats) -> float:
         return float(
@@ -275,10 +332,15 @@ class Barrier:
         forces = self._forces(self._at(x)).reshape(-1, 3)
         return {name: -forces[part].sum(axis=0) for name, part in self.surfaces.ranges.items()}
 
+    def work(self, before: dict[str, Floats], after: dict[str, Floats], begin: float, end: float) -> float:
+        """Work that obstacles that move do between two times, from the forces of the shell on them at both."""
+        ways = self.surfaces.travel(begin, end)
+        pairs = zip(before.values(), after.values(), ways, strict=True)
+        return -sum(0.5 * float((first + second) @ way) for first, second, way in pairs)
+
     def gap(self, x: Floats) -> float:
         """Smallest distance less the thickness, up to that at which surfaces feel each other."""
-        touch = self.touch
-        return self.surfaces.gap(self._at(x), touch.distance + touch.thickness) - touch.thickness
+        return self._gap_of(self._at(x))
 
     def require_free(self, x: Floats) -> None:
         """Raise SolveError if something intersects, which no step may leave behind."""
