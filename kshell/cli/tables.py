@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+BETWEEN = 3  # columns
 WIDTH = 100  # into a pipe or file, where COLUMNS does not say otherwise
 
 
@@ -42,11 +43,26 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]], title: str, numbe
         pad_edge=False,
         padding=(0, 1),
     )
+    body = [[str(part) for part in row] for row in rows]
+    words = len(heads) - numbers
+    longest = [
+        max(map(len, head.split()), default=0) for head in heads[:words]
+    ]  # below it a head folds within a word
+    needed = [
+        max(len(head), *(len(row[words + k]) for row in body), 0) for k, head in enumerate(heads[words:])
+    ]
+    fits = sum(longest) + sum(needed) + BETWEEN * len(heads) <= console().width
     for place, head in enumerate(heads):
         number = place >= len(heads) - numbers
-        out.add_column(head, justify="right" if number else "left", no_wrap=number, overflow="fold")
-    for row in rows:
-        out.add_row(*(escape(str(part)) for part in row))
+        out.add_column(
+            head,
+            justify="right" if number else "left",
+            no_wrap=number,
+            overflow="fold",
+            min_width=longest[place] if fits and not number else None,
+        )
+    for row in body:
+        out.add_row(*(escape(part) for part in row))
     return out
 
 

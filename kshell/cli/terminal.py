@@ -118,9 +118,10 @@ def _print_cases(out: Console, result: Result) -> None:
         added = result.combinations.get(name, {})
         made = " + ".join(f"{factor:g} {part}" for part, factor in added.items()).replace("+ -", "- ")
         known = [number(case.extremes[key]["value"]) if key in case.extremes else "" for key in names]
-        rows.append([name, made, *known])
-    heads = ["case", "combination of", *(f"largest {key.replace('_', ' ')}" for key in names)]
-    out.print(table(heads, rows, "Load cases", len(names)))
+        rows.append([name, *([made] if result.combinations else []), *known])
+    combined = ["combination of"] if result.combinations else []
+    heads = ["case", *combined, *(key.replace("_", " ") for key in names)]
+    out.print(table(heads, rows, "Load cases, largest values", len(names)))
     _print_extremes(out, result.envelope.extremes, "Envelope")
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import draw_edges, new_figure
+from kshell.draw.in_time import largest_values
 from kshell.mesh import Mesh, Selection, select
 from kshell.mesh.check import is_flat
 from kshell.mesh.facing import top_words
@@ -65,7 +66,7 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
         for support in on_mesh(scene.supports, scene):
             _draw_support(axes, mesh, support)
         for load in on_mesh(scene.loads, scene):
-            _draw_load(axes, mesh, load)
+            _draw_load(axes, mesh, load, scene.solve.time)
         _draw_material_axes(axes, mesh, scene)
         if not is_flat(mesh.points):
             for words in top_words(mesh):
@@ -135,7 +136,7 @@ def _draw_supported_edges(
         axes.plot([], [], color=colour, linewidth=3, linestyle=style, label=label)
 
 
-def _draw_load(axes: Axes, mesh: Mesh, load: Load) -> None:
+def _draw_load(axes: Axes, mesh: Mesh, load: Load, end: float | None) -> None:
     label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
     if load.on is None:
         chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
@@ -150,7 +151,7 @@ def _draw_load(axes: Axes, mesh: Mesh, load: Load) -> None:
             *points.T[:2], marker="D", color=LOAD_COLOUR, markersize=4, linestyle="", label=label, zorder=6
         )
         return
-    values = load.at(points)
+    values = largest_values(load, points, end)
     vector = values if values.ndim == 2 else values[:, None] * np.array([0.0, 0.0, 1.0])
     if load.kind == "point_moment":
         _arrows(axes, mesh, points, vector, label, heads=2)

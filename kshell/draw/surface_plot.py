@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, colour_bar, colours, flat_triangles
+from kshell.draw.in_time import largest_values
 from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes, on_mesh
 from kshell.material.by_group import ELSE
 from kshell.mesh import Mesh, Selection, select
@@ -139,7 +140,7 @@ def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figu
         for support in on_mesh(scene.supports, scene):
             _draw_support(axes, mesh, nodes, support)
         for load in on_mesh(scene.loads, scene):
-            _draw_load(axes, mesh, nodes, load)
+            _draw_load(axes, mesh, nodes, load, scene.solve.time)
         _draw_material_axes(axes, mesh, scene)
         for name, point in scene.probes.items():
             axes.plot(*np.array(point)[:, None], marker="+", color="black", markersize=9, linestyle="")
@@ -235,7 +236,7 @@ def _mark(axes: Any, mesh: Mesh, nodes: Floats, chosen: Selection, colour: str, 
         axes.plot([], [], [], marker="s", markersize=10, alpha=0.4, color=colour, linestyle="", label=label)
 
 
-def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load) -> None:
+def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load, end: float | None) -> None:
     label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
     chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     if load.on is not None:
@@ -244,7 +245,7 @@ def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load) -> None:
         _mark(axes, mesh, nodes, chosen, LOAD_COLOUR, label)
         return
     points, normals = _places(mesh, nodes, chosen)
-    values = load.at(points)
+    values = largest_values(load, points, end)
     vector = values if values.ndim == 2 else values[:, None] * normals
     most = np.linalg.norm(vector, axis=1).max()
     if most == 0.0:

@@ -1,0 +1,34 @@
+"""Pictures of scenes whose loads depend on the time: drawn as they are when they are largest."""
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.draw.in_time import largest_values
+from kshell.draw.scene_plot import plot_scene
+from kshell.draw.surface_plot import plot_surface_scene
+from tests.scene.fabricated import square_mesh
+
+
+@pytest.mark.parametrize("draw", [plot_scene, plot_surface_scene])
+def test_a_load_that_is_zero_at_first_is_drawn(draw):
+    loads = [ks.Pressure("2000*(t > 0.4)*(t < 0.6)"), ks.PointForce((0, 0, 0), (0, 0, "-3*t"))]
+    scene = ks.Scene(
+        mesh=square_mesh(2),
+        thickness=0.01,
+        material=ks.Isotropic(E=1, nu=0.3, density=1),
+        supports=[ks.Clamped("left")],
+        loads=loads,
+        solve={"analysis": "dynamic", "time": 1.0},
+    )
+    figure = draw(scene.read_mesh(), scene, "")
+    words = " ".join(text.get_text() for text in figure.findobj(lambda a: hasattr(a, "get_text")))
+    assert "2000" in words
+    assert "(zero)" not in words
+
+
+def test_values_at_the_largest_time():
+    points = np.zeros((2, 3))
+    assert largest_values(ks.Pressure("5*sin(pi*t)"), points, 2.0) == pytest.approx([5.0, 5.0])
+    assert largest_values(ks.Traction((0, "-7*t", 1)), points, 3.0)[0] == pytest.approx([0, -21, 1])
+    assert largest_values(ks.Pressure(4), points, None) == pytest.approx([4, 4])
