@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from kshell.equilibrium.linear import solve_linear
 from kshell.equilibrium.reduction import Reduction
@@ -212,6 +211,8 @@ def _without_free_motion(problem: ShellProblem, basis: sp.csc_matrix, load: Floa
             "the loads in the plane of the plate are not in equilibrium, and nothing holds it there against a "
             f'{free.names[int(work.argmax())]}: hold it with fix = "x" or "y" somewhere, or load both sides'
         )
+    from scipy.linalg import qr
+
     _, _, chosen = qr(free.vectors.T, mode="economic", pivoting=True)
     keep = np.setdiff1d(np.arange(basis.shape[1]), chosen[: len(free.names)])
     return basis[:, keep]
@@ -232,6 +233,8 @@ def held_in_plane(structure: Structure) -> Structure:
     free = _free_motions(problem, basis)
     supports = list(flat.supports)
     if free.names:
+        from scipy.linalg import qr
+
         vertices = len(structure.space.points)
         rows = (basis @ free.vectors)[: 3 * vertices]
         rows[2::3] = 0.0

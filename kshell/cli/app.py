@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Annotated
+import os
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
 
 import typer
 
 from kshell.cli.grouping import flat
+
+# pydantic would look through all packages that are installed for plugins, none of which a command needs
+os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 app = typer.Typer(
     name="kshell",
@@ -28,6 +32,24 @@ def command(name: str | None = None) -> Callable[[Callable[..., None]], Callable
         return function
 
     return register
+
+
+def called(arguments: Sequence[str]) -> Any:
+    """What runs the arguments: with the one command that they begin with, or with all of them.
+
+    To describe all commands takes as long as to solve a small plate.
+    """
+    every = app.registered_commands
+    mine = [info for info in every if arguments and _name(info) == arguments[0]]
+    app.registered_commands = mine or every
+    try:
+        return typer.main.get_command(app)
+    finally:
+        app.registered_commands = every
+
+
+def _name(info: Any) -> str:
+    return str(info.name or info.callback.__name__).replace("_", "-")
 
 
 def _print_version(wanted: bool) -> None:

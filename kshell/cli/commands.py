@@ -14,7 +14,7 @@ from typing import Any
 
 import typer
 
-from kshell.cli.app import app
+from kshell.cli.app import called
 from kshell.distributed.launch import launched
 from kshell.errors import Interrupted, KshellError, SolveError
 
@@ -48,7 +48,7 @@ def run(arguments: Sequence[str]) -> int:
     debug = "--debug" in arguments
     if not debug:
         sys.excepthook = _short_report
-    command: Any = typer.main.get_command(app)
+    command: Any = called(arguments)
     try:
         code = command.main(list(arguments) or ["--help"], prog_name="kshell", standalone_mode=False) or 0
     except ClickException as error:

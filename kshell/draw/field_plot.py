@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.draw.canvas import FEW_TRIANGLES, colour_bar, colours, draw_edges, flat_triangles, new_figure
+from kshell.draw.canvas import (
+    FEW_TRIANGLES,
+    bar_axes,
+    colour_bar,
+    colours,
+    draw_edges,
+    flat_triangles,
+    new_figure,
+)
 from kshell.result.result import Result
 
 if TYPE_CHECKING:
@@ -16,33 +24,61 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 
-def field_figure(result: Result, values: Floats, label: str) -> Figure:
-    """A field in colours with lines of equal value.
+class FieldFigure:
+    """A field in colours with lines of equal value; other fields of the result can be shown in the same figure.
 
     Parameters
     ----------
-    values : (node,)
-        At the nodes of the rows of the fields.
-    label : str
+    result : Result
+        With a flat mesh.
     """
-    from matplotlib.tri import Triangulation
 
-    mesh = result.mesh
-    figure, axes = new_figure(mesh, result.title)
-    points, triangles = flat_triangles(mesh, result.rows)
-    triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
-    low, high = float(values.min()), float(values.max())
-    image = axes.tripcolor(triangulation, values, shading="gouraud", rasterized=True, **colours(low, high))
-    if high > low:
-        lines = axes.tricontour(triangulation, values, levels=8, colors="black", linewidths=0.4)
-        lines.set_alpha(0.5)
-    if len(mesh.triangles) <= FEW_TRIANGLES:
-        draw_edges(axes, mesh, np.arange(len(mesh.edges)), colors="black", linewidths=0.2, alpha=0.25)
-    draw_edges(axes, mesh, mesh.boundary_edges, colors="black", linewidths=0.9)
-    axes.autoscale_view()
-    wide = np.ptp(mesh.points[:, 0]) > 1.3 * np.ptp(mesh.points[:, 1])
-    where = "bottom" if wide else "right"
-    if wide:
-        figure.set_figheight(figure.get_figheight() + 1.0)
-    colour_bar(figure, axes, image, f"{label}\nfrom {low:.4g} to {high:.4g}", where, 40 if wide else 30)
-    return figure
+    def __init__(self, result: Result) -> None:
+        from matplotlib.tri import Triangulation
+
+        mesh = result.mesh
+        wide = np.ptp(mesh.points[:, 0]) > 1.3 * np.ptp(mesh.points[:, 1])
+        self._where: Literal["right", "bottom"] = "bottom" if wide else "right"
+        self.figure, self._axes = new_figure(mesh, result.title, self._where)
+        points, triangles = flat_triangles(mesh, result.rows)
+        self._triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
+        zero = np.zeros(len(points))
+        self._image = self._axes.tripcolor(
+            self._triangulation, zero, shading="gouraud", rasterized=True, zorder=0
+        )
+        self._lines: Any = None
+        self._bar: Any = None
+        if len(mesh.triangles) <= FEW_TRIANGLES:
+            every = np.arange(len(mesh.edges))
+            draw_edges(self._axes, mesh, every, colors="black", linewidths=0.2, alpha=0.25)
+        draw_edges(self._axes, mesh, mesh.boundary_edges, colors="black", linewidths=0.9)
+        self._axes.autoscale_view()
+
+    def show(self, values: Floats, label: str) -> Figure:
+        """The figure with a field.
+
+        Parameters
+        ----------
+        values : (node,)
+            At the nodes of the rows of the fields.
+        label : str
+        """
+        low, high = float(values.min()), float(values.max())
+        style = colours(low, high)
+        self._image.set_array(values)
+        self._image.set_cmap(style["cmap"])
+        self._image.set_clim(style["vmin"], style["vmax"])
+        if self._lines is not None:
+            self._lines.remove()
+            self._lines = None
+        if high > low:
+            self._lines = self._axes.tricontour(
+                self._triangulation, values, levels=8, colors="black", linewidths=0.4, alpha=0.5
+            )
+        words = f"{label}\nfrom {low:.4g} to {high:.4g}"
+        if self._bar is None:
+            bar = bar_axes(self.figure, self._axes, self._where)
+            self._bar = colour_bar(self.figure, bar, self._image, words, self._where)
+        else:
+            self._bar.set_label(words)
+        return self.figure

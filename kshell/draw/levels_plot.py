@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kshell.draw.canvas import new_figure
+from kshell.draw.canvas import bar_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ def error_figure(result: Result) -> Figure:
     if np.ptp(mesh.points[:, 2]) <= 1e-9 * mesh.size:
         from matplotlib.tri import Triangulation
 
-        figure, axes = new_figure(mesh, result.title)
+        figure, axes = new_figure(mesh, result.title, "right")
         image: Any = axes.tripcolor(
             Triangulation(mesh.points[:, 0], mesh.points[:, 1], mesh.triangles),
             facecolors=values,
@@ -39,6 +39,7 @@ def error_figure(result: Result) -> Figure:
             edgecolors="black",
             linewidth=0.15,
         )
+        figure.colorbar(image, cax=bar_axes(figure, axes, "right"), label=label)
     else:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.cm import ScalarMappable
@@ -62,7 +63,7 @@ def error_figure(result: Result) -> Figure:
         axes.set_box_aspect(np.maximum(high - low, 0.05 * mesh.size))
         if result.title:
             axes.set_title(result.title, wrap=True)
-    figure.colorbar(image, ax=axes, label=label, shrink=0.8)
+        figure.colorbar(image, ax=axes, label=label, shrink=0.8)
     return figure
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
 
-from kshell.draw.field_plot import field_figure
+from kshell.draw.field_plot import FieldFigure
 from kshell.draw.history_plot import film_figure, history_figure
 from kshell.draw.levels_plot import error_figure, levels_figure
 from kshell.draw.mode_plot import mode_figure, modes_figure
 from kshell.draw.path_plot import path_figure
 from kshell.draw.pictures import MODAL, picture_values, pictures
+from kshell.draw.png import png
 from kshell.draw.response_plot import response_figure
 from kshell.draw.scene_plot import plot_scene
 from kshell.draw.surface_plot import plot_surface_scene, surface_figure
@@ -30,8 +31,8 @@ FLAT = 1e-9
 DPI = 150
 
 
-def plot(result: Result, what: str = "deflection") -> Figure:
-    """A picture of a result. See `Result.plot`."""
+def plot(result: Result, what: str = "deflection", fields: Callable[[], FieldFigure] | None = None) -> Figure:
+    """A picture of a result, see `Result.plot`; fields over flat meshes in a given figure, where there is one."""
     if what == "deflection" and result.analysis in MODAL:
         what = "modes"
     if what == "deflection" and result.response:
@@ -60,21 +61,35 @@ def plot(result: Result, what: str = "deflection") -> Figure:
         return (plot_scene if flat else plot_surface_scene)(result.mesh, result.scene, result.title)
     values, label = picture_values(result, what)
     if flat:
-        return field_figure(result, values, label)
+        return (FieldFigure(result) if fields is None else fields()).show(values, label)
     return surface_figure(result, values, label)
 
 
 def save_picture(
-    result: Result, what: str, path: Path | BinaryIO, dpi: int = DPI, small: bool = False
+    result: Result,
+    what: str,
+    path: Path | BinaryIO,
+    dpi: int = DPI,
+    small: bool = False,
+    fields: Callable[[], FieldFigure] | None = None,
 ) -> None:
     """Write a picture as PNG, to be small or written fast."""
-    figure = plot(result, what)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figure = plot(result, what, fields)
     figure.set_dpi(dpi)
     engine = figure.get_layout_engine()
     if engine is not None:  # laid out here, or savefig would draw everything twice
         engine.execute(figure)
         figure.set_layout_engine("none")
-    figure.savefig(path, dpi=dpi, format="png", pil_kwargs={"compress_level": 6 if small else 1})
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    opaque = np.ascontiguousarray(np.asarray(canvas.buffer_rgba())[..., :3])
+    data = png(opaque, dpi, 6 if small else 1)
+    if isinstance(path, Path):
+        path.write_bytes(data)
+    else:
+        path.write(data)
 
 
 def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], object]]:
@@ -90,4 +105,5 @@ def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], obj
         for name in pictures(result)
         if plots and name not in names and not (single and name.startswith("mode_"))
     ]
-    return {f"{name}.png": partial(save_picture, result, name) for name in names}
+    fields = cache(partial(FieldFigure, result))  # to make a figure takes as long as to draw it
+    return {f"{name}.png": partial(save_picture, result, name, fields=fields) for name in names}

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.draw.canvas import draw_edges, new_figure
+from kshell.draw.canvas import add_below, draw_edges, new_figure
 from kshell.draw.in_time import largest_values
 from kshell.mesh import Mesh, Selection, select
 from kshell.mesh.check import is_flat
@@ -80,8 +80,8 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
     axes.margins(0.12)
     signs = len(axes.get_legend_handles_labels()[0])
     if signs:
-        figure.set_figheight(figure.get_figheight() + 0.22 * signs)
-        figure.legend(loc="outside lower center", ncols=1, fontsize=9, frameon=False)
+        add_below(figure, 0.22 * signs + 0.1)
+        figure.legend(loc="lower center", ncols=1, fontsize=9, frameon=False, borderpad=0.0)
     return figure
 
 

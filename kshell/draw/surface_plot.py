@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.draw.canvas import FEW_TRIANGLES, colour_bar, colours, flat_triangles
+from kshell.draw.canvas import FEW_TRIANGLES, LETTERS, add_below, colour_bar, colours, flat_triangles
 from kshell.draw.in_time import largest_values
 from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes, on_mesh
 from kshell.material.by_group import ELSE
@@ -32,6 +33,7 @@ LARGEST_SHOWN = 0.1  # of the size of the shell: the largest displacement as dra
 VIEW = {"elev": 28.0, "azim": -58.0}
 SIGNS = 12  # about this many arrows of one load
 MANY_FACES = 5_000
+BAR, SQUARE = 1.0, 6.6  # inches for a bar of colours, and of the axes
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 
 
@@ -86,7 +88,7 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
     style = colours(low, high)
     norm = Normalize(style["vmin"], style["vmax"] if style["vmax"] > style["vmin"] else style["vmin"] + 1.0)
     image = ScalarMappable(norm, colormaps[style["cmap"]])
-    figure, axes = _figure(result.title, np.concatenate([rest, nodes]))
+    figure, axes = _figure(result.title, np.concatenate([rest, nodes]), BAR)
     corners, shades = _smoothed(nodes[triangles], values[triangles])
     faces = image.to_rgba(shades)
     faces[:, :3] *= _shade(corners)[:, None]
@@ -105,7 +107,9 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
             Line3DCollection(_edge_lines(mesh, still, outline), colors="0.5", linewidths=0.8, linestyles="--")
         )
     words = f"{label}, from {low:.4g} to {high:.4g}\ndisplacements drawn {scale:g} times as large, dashed: at rest"
-    colour_bar(figure, axes, image, words, "bottom", 45)
+    tall = figure.get_figheight()
+    bar = figure.add_axes((0.1, 0.72 / tall, 0.8, 0.17 / tall))
+    colour_bar(figure, bar, image, words, "bottom")
     return figure
 
 
@@ -147,31 +151,36 @@ def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figu
             axes.text(*point, f"  {name}", fontsize=9)
     signs = len(axes.get_legend_handles_labels()[0])
     if signs:
-        figure.set_figheight(figure.get_figheight() + 0.22 * signs)
-        figure.legend(loc="outside lower center", ncols=1, fontsize=9, frameon=False)
+        add_below(figure, 0.22 * signs + 0.1)
+        figure.legend(loc="lower center", ncols=1, fontsize=9, frameon=False, borderpad=0.0)
     return figure
 
 
-def _figure(title: str, nodes: Floats) -> tuple[Figure, Any]:
+def _figure(title: str, nodes: Floats, below: float = 0.0) -> tuple[Figure, Any]:
+    """A figure with axes for nodes in space, and some inches below them; places are set as for plan views."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8.0, 6.4), layout="constrained")
+    lines = textwrap.wrap(title, LETTERS) if title else []
+    tall = 5.6 + below + 0.22 * len(lines)
+    figure = Figure(figsize=(8.0, tall))
     FigureCanvasAgg(figure)
-    axes: Any = figure.add_subplot(projection="3d", computed_zorder=False)
+    # the square of the axes, beyond which lines are cut off, is larger than what is drawn in it
+    place = ((8.0 - SQUARE) / 16.0, (below + 2.75 - SQUARE / 2) / tall, SQUARE / 8.0, SQUARE / tall)
+    axes: Any = figure.add_axes(place, projection="3d", computed_zorder=False)
     low, high = nodes.min(axis=0), nodes.max(axis=0)
     middle, size = 0.5 * (low + high), np.maximum(high - low, 0.15 * (high - low).max())
     for setter, m, s in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
         setter(m - 0.52 * s, m + 0.52 * s)
-    axes.set_box_aspect(size, zoom=1.0)
+    axes.set_box_aspect(size, zoom=5.5 / SQUARE)
     axes.view_init(**VIEW)
     for setter, name in zip((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), "xyz", strict=True):
         setter(name)
     for axis, part in zip((axes.xaxis, axes.yaxis, axes.zaxis), size / size.max(), strict=True):
         ticks = 5 if part > 0.3 else 1  # more of them would overlap on a short axis
         axis.get_major_locator().set_params(nbins=ticks, min_n_ticks=1)
-    if title:
-        axes.set_title(title, wrap=True)
+    if lines:
+        axes.set_title("\n".join(lines), y=0.5 + 3.05 / SQUARE)
     return figure, axes
 
 

@@ -12,22 +12,25 @@ with phi_r the reference basis. Tables of phi_r are made once; only M depends on
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from typing import Any
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from skfem.element import DiscreteField, Element
-from skfem.refdom import RefTri
 
 from kshell.elements.affine import AffineTriangles
 from kshell.elements.reference import DualBasis
 
+if TYPE_CHECKING:
+    from skfem.element import DiscreteField
+
 Floats = NDArray[np.float64]
 
 
-class PlateElement(Element):
+class PlateElement(ABC):
     """A triangle for fourth-order problems, usable in any scikit-fem form. It keeps no state.
+
+    It has what scikit-fem asks of an element, but is none of its classes: to load them takes as long as a small solve.
 
     Attributes
     ----------
@@ -38,10 +41,17 @@ class PlateElement(Element):
         h^power makes the degrees of freedom of one size.
     """
 
-    refdom = RefTri
     basis: DualBasis
     vertex_powers: tuple[int, ...]
     edge_powers: tuple[int, ...]
+    nodal_dofs: int
+    facet_dofs: int
+    maxdeg: int
+    dofnames: tuple[str, ...]
+    doflocs: Floats
+    interior_dofs = 0
+    edge_dofs = 0
+    dim = 2
 
     @property
     def name(self) -> str:
@@ -67,6 +77,27 @@ class PlateElement(Element):
     def _transformation(self, triangles: AffineTriangles) -> Floats:
         """M of the element."""
 
+    @property
+    def refdom(self) -> Any:
+        """The reference triangle of scikit-fem."""
+        from skfem.refdom import RefTri
+
+        return RefTri
+
+    def orient(self, mapping: Any, i: int, tind: NDArray[np.integer] | None = None) -> NDArray[np.integer]:
+        """Signs of a basis function on elements: all the same (scikit-fem's interface)."""
+        return np.ones(len(mapping.mesh.t[0] if tind is None else tind), dtype=np.int64)
+
+    def _bfun_counts(self) -> NDArray[np.integer]:
+        """Basis functions of vertices, edges in space, facets and interior (scikit-fem's interface)."""
+        return np.array([3 * self.nodal_dofs, 0, 3 * self.facet_dofs, 0])
+
+    def __mul__(self, other: Any) -> Any:
+        """Both as one element (scikit-fem's interface)."""
+        from skfem.element import ElementComposite
+
+        return ElementComposite(self, *(other.elems if isinstance(other, ElementComposite) else [other]))
+
     def gbasis(
         self, mapping: Any, X: Floats, i: int, tind: NDArray[np.integer] | None = None
     ) -> tuple[DiscreteField]:
@@ -74,6 +105,8 @@ class PlateElement(Element):
 
         ``X`` is (2, point), or (2, element, point) where every element has its own points.
         """
+        from skfem.element import DiscreteField
+
         mesh = mapping.mesh
         t = mesh.t.T if tind is None else mesh.t[:, tind].T
         triangles = AffineTriangles.of_arrays(mesh.p.T, t)

@@ -7,23 +7,34 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.elements.triangle_rules import RULES
+
 Floats = NDArray[np.float64]
-SYMMETRIC_UP_TO = 19  # the highest degree that scikit-fem tabulates
 
 
 @lru_cache(maxsize=32)
 def triangle_rule(degree: int) -> tuple[Floats, Floats]:
     """Points (point, 2) and weights (point,) exact for polynomials of a degree; weights sum to 1/2.
 
-    Symmetric rules where scikit-fem has one, beyond them Gauss rules on the square collapsed to the triangle.
+    Symmetric rules as far as they are tabulated, beyond them Gauss rules on the square collapsed to the triangle.
     """
-    if degree > SYMMETRIC_UP_TO:
+    known = [d for d in RULES if d >= degree]
+    if not known:
         return _collapsed_rule(degree)
-    from skfem.quadrature import get_quadrature
-    from skfem.refdom import RefTri
-
-    points, weights = get_quadrature(RefTri, degree)
-    return np.ascontiguousarray(points.T), weights
+    points, weights = [], []
+    for weight, *place in RULES[min(known)]:
+        if not place:
+            orbit = [(1 / 3, 1 / 3)]
+        elif len(place) == 1:
+            (a,) = place
+            orbit = [(a, a), (1 - 2 * a, a), (a, 1 - 2 * a)]
+        else:
+            a, b = place
+            c = 1 - a - b
+            orbit = [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)]
+        points += orbit
+        weights += [weight] * len(orbit)
+    return np.array(points), np.array(weights)
 
 
 def _collapsed_rule(degree: int) -> tuple[Floats, Floats]:

@@ -16,10 +16,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
 from kshell.mesh.words import place
 from kshell.solvers.eigenbasis import orthonormal
+from kshell.solvers.nearest import nearest
 
 Floats = NDArray[np.float64]
 
@@ -85,12 +85,12 @@ def rigid_modes(
     """
     rows = basis.tocsc() if scale is None else (sp.diags(1.0 / scale) @ basis).tocsc()
     free = rows.shape[1]
-    best = splu((rows.T @ rows).tocsc()) if free else None
+    best = nearest(rows)
     vectors, names = [np.zeros((free, 0))], []
     for part in parts:
         motion = part.motions * np.where(np.abs(part.kinds[3:]).any(axis=0), 1.0 / part.size, 1.0)
         scaled = motion if scale is None else motion / scale[:, None]
-        q = np.zeros((free, motion.shape[1])) if best is None else best.solve(rows.T @ scaled)
+        q = best(scaled)
         resisted = scaled - rows @ q
         gram = _relative(resisted.T @ resisted, float((scaled**2).sum(axis=0).max()))
         if springs is not None:

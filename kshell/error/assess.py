@@ -34,21 +34,19 @@ def assess(
     names : sequence of str, optional
         Probes; all if absent.
     """
-    from kshell.plate.model import PlateModel
-    from kshell.shell.koiter.model import KoiterModel
-
     wanted = list(model.structure.probes) if names is None else list(names)
     rest: Any = answer
-    if isinstance(model, KoiterModel):
+    of: Any = model
+    if (model.kind, model.element) == ("shell", "koiter"):
         from kshell.error import shells
 
         if isinstance(answer, State):
-            return shells.assess_state(model, answer, result, duals, wanted)
-        return shells.assess_small(model, rest.x, result, duals, wanted)
-    if isinstance(model, PlateModel) and model.element == "argyris":
+            return shells.assess_state(of, answer, result, duals, wanted)
+        return shells.assess_small(of, rest.x, result, duals, wanted)
+    if (model.kind, model.element) == ("plate", "argyris"):
         from kshell.error.plates import assess_residual
 
-        return assess_residual(model, rest.x, result, duals, wanted)
+        return assess_residual(of, rest.x, result, duals, wanted)
     return Assessment(
         why_not=_WITHOUT.get((model.kind, model.element), "no estimate is known for this model")
     )

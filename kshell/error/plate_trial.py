@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import qr
 
 from kshell.elements import matrices
 from kshell.error.goerisch import Trial
@@ -66,6 +65,8 @@ def hhj_system(problem: PlateProblem, order: int, rigid: Floats) -> HHJSystem:
     triangles = Triangles(problem.mesh)
     conditions = held(triangles, order, problem.supports)
     if rigid.shape[1]:
+        from scipy.linalg import qr
+
         layout = problem.layout
         w = (problem.reduction.matrix() @ rigid)[
             : layout.per_vertex * layout.vertex_count : layout.per_vertex

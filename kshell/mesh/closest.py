@@ -1,9 +1,9 @@
 """The point of a mesh closest to a point in space, for meshes of order 1 and 2, whatever the sizes of the triangles.
 
 Every triangle lies in a ball, so it is at least as far away as the ball: all triangles whose balls come nearer than
-the closest point known so far are looked at, and no others, and the answer is the closest point of the whole mesh. The
-balls are searched through k-d trees, one for each class of sizes, so that one large triangle does not widen the search
-among the small ones.
+the closest point known so far are looked at, and no others, and the answer is the closest point of the whole mesh. A
+point on the surface is in the balls of its triangles; for others the balls are searched through k-d trees, one for each
+class of sizes, so that one large triangle does not widen the search among the small ones.
 
 A triangle of order 2 differs from the flat one between its corners by the bumps 4 L_i L_j of its edges, by no more
 than 4/3 of the largest distance of a mid-edge node from its chord. Where f (feet.py) is convex on the whole triangle
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh import feet, quadratic
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.near import in_balls
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -106,10 +107,38 @@ class Locator:
             return self._closest(p, of, triangle)
         step = max(1, MANY // 64)
         parts = [
-            self._closest(p[:, k : k + step], *self._near(p[:, k : k + step]))
+            self._closest(p[:, k : k + step], *self._candidates(p[:, k : k + step]))
             for k in range(0, p.shape[1], step)
         ]
         return Nearest(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def _candidates(self, p: Floats) -> tuple[Ints, Ints]:
+        """Pairs of a point and a triangle that may be the closest: of points on the surface those whose balls hold it.
+
+        Trees are made for points beside the surface only, and only for many.
+        """
+        if self._classes is not None:
+            return self._near(p)
+        triangle, of = in_balls(p.T, self.centre.T, self.radius * (1 + TIE) + self.tie)
+        upper = np.full(p.shape[1], np.inf)
+        if len(of):
+            np.minimum.at(upper, of, self._distance(p, of, triangle)[0])
+        beside = np.flatnonzero(upper > self.tie)
+        if not len(beside):
+            return of, triangle
+        few = len(beside) * len(self.rank) <= MANY
+        more_of, more = (self._near_all if few else self._near)(p[:, beside])
+        here = upper[of] <= self.tie
+        return np.concatenate([of[here], beside[more_of]]), np.concatenate([triangle[here], more])
+
+    def _near_all(self, p: Floats) -> tuple[Ints, Ints]:
+        """As `_near`, of all balls: for a few points that is quicker than to sort the balls."""
+        centre = self.centre
+        distance = np.sqrt(np.sum([(p[x][:, None] - centre[x]) ** 2 for x in range(3)], axis=0))
+        nearest = np.argmin(distance - self.radius, axis=1)
+        upper = self._distance(p, np.arange(p.shape[1]), nearest)[0]
+        of, triangle = np.nonzero(distance - self.radius <= upper[:, None] + self.tie)
+        return of, triangle
 
     def _near(self, p: Floats) -> tuple[Ints, Ints]:
         """Pairs of a point and a triangle whose ball comes as near as the closest triangle may be."""

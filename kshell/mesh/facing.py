@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.build import reversed_triangles
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.orient import shared_edges
 from kshell.mesh.triangulation import M, Triangulation
 from kshell.mesh.words import place
@@ -78,14 +79,10 @@ def towards(mesh: M, direction: ArrayLike | None = None, point: ArrayLike | None
     InputError
         If a sheet faces as much one way as the other.
     """
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     pairs, _ = shared_edges(mesh)
     n = len(mesh.triangles)
     one, other = pairs.T // 3
-    graph = coo_matrix((np.ones(len(one)), (one, other)), shape=(n, n))
-    sheet = connected_components(graph, directed=False)[1]
+    sheet = connected_parts(n, one, other)[1]
     if point is not None:
         part = -_solid_angles(mesh, np.asarray(point, dtype=float))
         whole: Floats = np.full(int(sheet.max()) + 1, 4 * np.pi)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 
 Ints = NDArray[np.int64]
@@ -49,8 +48,7 @@ def fans_between(mesh: Mesh, cut: Flags) -> tuple[Ints, Ints]:
                     first.append(other)
                     second.append(3 * t + c)
     size = 3 * len(mesh.triangles)
-    graph = sp.csr_matrix((np.ones(len(first)), (first, second)), shape=(size, size))
-    label = connected_components(graph, directed=False)[1]
+    label = connected_parts(size, np.array(first, dtype=np.int64), np.array(second, dtype=np.int64))[1]
     at = np.flatnonzero(touched[mesh.triangles.ravel()])
     # fans in the order of their first corners; the first of each vertex has the vertex's number
     _, where, inverse = np.unique(label[at], return_index=True, return_inverse=True)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.triangulation import EDGE_VERTICES, Triangulation
 from kshell.mesh.words import place
 
@@ -79,16 +80,12 @@ def to_reverse(mesh: Triangulation, flat: bool) -> Bools:
 
 
 def _by_double_cover(mesh: Triangulation, pairs: Ints, agree: Bools) -> Bools:
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     n = len(mesh.triangles)
     t = pairs // 3
     cross = np.where(agree, 0, n)
     row = np.concatenate([t[:, 0], t[:, 0] + n])
     column = np.concatenate([t[:, 1] + cross, (t[:, 1] + n + cross) % (2 * n)])
-    graph = coo_matrix((np.ones(len(row), dtype=np.int8), (row, column)), shape=(2 * n, 2 * n))
-    n_parts, part = connected_components(graph, directed=False)
+    n_parts, part = connected_parts(2 * n, row, column)
     stored, reversed_ = part[:n], part[n:]
     one_sided = np.flatnonzero(stored == reversed_)
     if len(one_sided):

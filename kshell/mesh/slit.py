@@ -10,11 +10,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from kshell.errors import InputError
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Group, Mesh
 from kshell.mesh.orient import WALKED_FORWARD
 from kshell.mesh.select import select
@@ -75,10 +74,8 @@ def _opened(mesh: Mesh, cut: NDArray[np.bool_]) -> tuple[Ints, Ints]:
     whole = np.broadcast_to(~cut[mesh.triangle_edges][:, :, None], key.shape)
     at, which = number[:, EDGE_VERTICES][whole], key[whole]
     _, column = np.unique(which, return_inverse=True)
-    link = sp.csr_matrix(
-        (np.ones(len(at)), (at, column)), shape=(corners.size, int(column.max(initial=-1)) + 1)
-    )
-    _, fan = connected_components(link @ link.T, directed=False)
+    _, fan = connected_parts(corners.size + int(column.max(initial=-1)) + 1, at, corners.size + column)
+    fan = fan[: corners.size]
     vertex = corners.ravel()
     touched = np.zeros(len(mesh.points), dtype=bool)
     touched[mesh.edges[cut].ravel()] = True

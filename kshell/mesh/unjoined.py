@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.mesh.connected import connected_parts
+from kshell.mesh.near import in_balls
 from kshell.mesh.triangulation import Triangulation
 from kshell.mesh.words import count, place
 
@@ -63,24 +65,14 @@ def unjoined(mesh: Triangulation) -> list[str]:
 
 def vertex_parts(mesh: Triangulation) -> Ints:
     """(vertex,) number of the part of the mesh, triangles being connected where they share a vertex."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    n = len(mesh.points)
-    graph = coo_matrix((np.ones(len(mesh.edges), dtype=np.int8), mesh.edges.T), shape=(n, n))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    return connected_parts(len(mesh.points), *mesh.edges.T)[1]
 
 
 def sheet_parts(mesh: Triangulation) -> Ints:
     """(triangle,) number of the part of the mesh, triangles being connected where they share an edge."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     owner = mesh.edge_owner[mesh.triangle_edges, 0].ravel()
     mine = np.repeat(np.arange(len(mesh.triangles)), 3)
-    n = len(mesh.triangles)
-    graph = coo_matrix((np.ones(len(mine), dtype=np.int8), (mine, owner)), shape=(n, n))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    return connected_parts(len(mesh.triangles), mine, owner)[1]
 
 
 def _on_named_curves(mesh: Triangulation) -> Bools:
@@ -97,17 +89,14 @@ def _on_named_curves(mesh: Triangulation) -> Bools:
 
 
 def _pairs_at_one_place(mesh: Triangulation, candidates: Ints, tolerance: float) -> Ints:
-    from scipy.spatial import cKDTree
-
-    found = cKDTree(mesh.points[candidates]).query_pairs(tolerance, output_type="ndarray")
-    pairs: Ints = np.sort(candidates[found], axis=1)
-    return pairs[np.lexsort(pairs.T[::-1])]
+    at = mesh.points[candidates]
+    first, second = in_balls(at, at, np.full(len(at), tolerance))
+    pairs: Ints = np.stack([candidates[first], candidates[second]], axis=1)[first < second]
+    return pairs
 
 
 def _raise_on_hanging_nodes(mesh: Triangulation, boundary: Ints, part: Ints, named: Bools) -> None:
     """A vertex inside the edge of a triangle it does not belong to."""
-    from scipy.spatial import cKDTree
-
     edges = mesh.boundary_edges
     if not len(edges):
         return
@@ -115,15 +104,12 @@ def _raise_on_hanging_nodes(mesh: Triangulation, boundary: Ints, part: Ints, nam
     start, along = mesh.points[ends[:, 0]], mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
     length = mesh.edge_lengths[edges]
     middle = start + 0.5 * along
-    tree = cKDTree(mesh.points[boundary])
     # a ball about the middle that leaves out the two ends
     radius = 0.5 * length * (1 - 1e-6)
-    suspects = np.flatnonzero(tree.query_ball_point(middle, radius, return_length=True) > 0)
-    if not len(suspects):
+    edge, vertex = in_balls(mesh.points[boundary], middle, radius)
+    if not len(edge):
         return
-    near = tree.query_ball_point(middle[suspects], radius[suspects])
-    edge = np.repeat(suspects, [len(n) for n in near])
-    vertex = boundary[np.concatenate([np.asarray(n, dtype=np.int64) for n in near])]
+    vertex = boundary[vertex]
     offset = mesh.points[vertex] - start[edge]
     share = np.sum(offset * along[edge], axis=1) / length[edge] ** 2
     distance = np.linalg.norm(offset - share[:, None] * along[edge], axis=1)

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
+from kshell.plate.splines import spline_derivatives
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -285,17 +286,14 @@ def _spline_derivatives(nodes: Floats, step: int, periodic: bool) -> Floats:
     (edge, end, derivative, 2) array in walking direction.
     """
     length = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    from scipy.interpolate import make_interp_spline
-
     parameter = np.concatenate([[0.0], np.cumsum(length)])
     degree = min(5, len(nodes) - 1)
     if periodic and len(nodes) > 6:
-        spline = make_interp_spline(parameter, nodes, k=5, bc_type="periodic")
+        slopes = spline_derivatives(parameter, nodes, 5, periodic=True)
     else:
-        spline = make_interp_spline(parameter, nodes, k=degree - (degree > 1 and degree % 2 == 0))
-    at = parameter[::step]
-    width = np.diff(at)[:, None]
-    first, second = spline(at, 1), spline(at, 2) if degree > 1 else np.zeros_like(nodes[::step])
+        slopes = spline_derivatives(parameter, nodes, degree - (degree > 1 and degree % 2 == 0))
+    width = np.diff(parameter[::step])[:, None]
+    first, second = (slope[::step] for slope in slopes)
     ends = np.stack([first[:-1] * width, first[1:] * width], axis=1)
     bends = np.stack([second[:-1] * width**2, second[1:] * width**2], axis=1)
     return np.stack([ends, bends], axis=2)

@@ -15,11 +15,11 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from kshell.elements import matrices
 from kshell.elements.reference import VERTICES
 from kshell.material.section import Section
+from kshell.mesh.connected import connected_parts
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
@@ -168,8 +168,7 @@ class Fields:
             return Rows.of_vertices(mesh)
         edges = np.flatnonzero((mesh.edge_counts == 2) & (True if self._jump is None else ~self._jump))
         links = self.domain.sides(edges)
-        graph = sp.csr_matrix((np.ones(len(edges)), tuple(links)), shape=(len(mesh.triangles),) * 2)
-        pieces = connected_components(graph, directed=False)[1]
+        pieces = connected_parts(len(mesh.triangles), *links)[1]
         return Rows(mesh, fans.corner, fans.vertex, pieces)
 
     def _average(self, values: Floats) -> Floats:

@@ -6,11 +6,10 @@ A plate in bending moves rigidly as w = c0 + c1 x + c2 y, each piece of the mesh
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from kshell.errors import InputError
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.plate.conditions import Conditions
@@ -81,9 +80,7 @@ def pieces(mesh: Mesh) -> tuple[int, Ints]:
     last[mesh.triangle_edges] = np.arange(n, dtype=np.int32)[:, None]
     # across each edge the other triangle, or the same one at the boundary: links go both ways
     neighbour = (mesh.edge_owner[:, 0] + last)[mesh.triangle_edges] - np.arange(n, dtype=np.int32)[:, None]
-    link = sp.csr_matrix((np.ones(3 * n), neighbour.ravel(), np.arange(0, 3 * n + 1, 3)), shape=(n, n))
-    count, label = connected_components(link, connection="strong")
-    return int(count), label.astype(np.int64)
+    return connected_parts(n, np.repeat(np.arange(n), 3), neighbour.ravel())
 
 
 def _extent(mesh: Mesh, piece: Ints, count: int) -> tuple[Floats, Floats]:

@@ -32,6 +32,8 @@ def show(result: Result, what: str, scale: float | None, file: str | None) -> An
 
 def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], object]]:
     """The pictures that `Result.save` writes: file name to function of the path."""
+    if not plots and result.analysis != "path" and not result.history:
+        return {}  # none is written without being asked for
     from kshell.draw.plot import picture_files
 
     return picture_files(result, plots)

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.result.vtu import as_meshio, say
+from kshell.result.vtu import unstructured
+from kshell.result.vtu_file import Unstructured, write_triangles
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
@@ -33,28 +34,21 @@ def old_pieces(folder: Path, names: Iterable[str]) -> list[Path]:
     return [path for path in [folder / "result.vtu", *folder.glob(PATTERN)] if path.name not in set(names)]
 
 
-def piece_of(result: Result, mine: NDArray[np.bool_]) -> Any:
-    """Some triangles of a result, as meshio has meshes."""
-    import meshio
-
-    whole = as_meshio(result)
-    (block,) = whole.cells
+def piece_of(result: Result, mine: NDArray[np.bool_]) -> Unstructured:
+    """Some triangles of a result."""
+    whole = unstructured(result)
     chosen = np.flatnonzero(mine)
-    nodes, cells = np.unique(block.data[chosen], return_inverse=True)
+    nodes, cells = np.unique(whole.cells[chosen], return_inverse=True)
     point_data = {name: values[nodes] for name, values in whole.point_data.items()}
-    cell_data = {name: [values[chosen]] for name, (values,) in whole.cell_data.items()}
-    point_data[NODE], cell_data[TRIANGLE] = nodes.astype(np.int64), [chosen.astype(np.int64)]
-    shape = (len(chosen), block.data.shape[1])
-    return meshio.Mesh(whole.points[nodes], [(block.type, cells.reshape(shape))], point_data, cell_data)
+    cell_data = {name: values[chosen] for name, values in whole.cell_data.items()}
+    point_data[NODE], cell_data[TRIANGLE] = nodes.astype(np.int64), chosen.astype(np.int64)
+    shape = (len(chosen), whole.cells.shape[1])
+    return Unstructured(whole.points[nodes], cells.reshape(shape), point_data, cell_data)
 
 
 def write_piece(path: Path, result: Result, mine: NDArray[np.bool_]) -> None:
     """Write some triangles of a result."""
-    import meshio
-
-    meshio.write(path, piece_of(result, mine), file_format="vtu")
-    if result.nodal_values:
-        say(path, result.nodal_values)
+    write_triangles(path, piece_of(result, mine), result.nodal_values or "")
 
 
 def pieces_index(result: Result, names: Sequence[str]) -> str:
@@ -80,7 +74,7 @@ def pieces_index(result: Result, names: Sequence[str]) -> str:
             *(array(name, values) for name, values in none.point_data.items()),
             "    </PPointData>",
             "    <PCellData>",
-            *(array(name, values) for name, (values,) in none.cell_data.items()),
+            *(array(name, values) for name, values in none.cell_data.items()),
             "    </PCellData>",
             *(f'    <Piece Source="{name}"/>' for name in names),
             "  </PUnstructuredGrid>",

@@ -179,12 +179,16 @@ def _machine() -> str:
 
 def _remove_left_over(folder: Path) -> None:
     """Remove unfinished files of processes of this machine that were killed."""
-    import psutil
-
     for path in folder.glob(f"{UNFINISHED}{_machine()}-*-*"):
         number = path.name.removeprefix(f"{UNFINISHED}{_machine()}-").partition("-")[0]
-        if number.isdecimal() and not psutil.pid_exists(int(number)):
+        if number.isdecimal() and not _runs(int(number)):
             shutil.rmtree(path, ignore_errors=True)
+
+
+def _runs(process: int) -> bool:
+    import psutil
+
+    return bool(psutil.pid_exists(process))
 
 
 def write_together(folder: Path, writers: dict[str, Writer]) -> list[str]:

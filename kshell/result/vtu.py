@@ -1,4 +1,4 @@
-"""Results as .vtu files for ParaView, written through meshio.
+"""Results as .vtu files for ParaView.
 
 Point data have the names of `Result.fields`; tensors in the plane have the columns xx yy xy. Every group
 is an array "group NAME" of zeros and ones, of points for curve and point groups, of cells for surfaces; of a curve
@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
 from kshell.mesh.mesh import Mesh
+from kshell.result.vtu_file import Unstructured, write_triangles
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
@@ -39,30 +40,23 @@ def write_vtu(path: Path, result: Result) -> None:
     SolveError
         If a field has a value that is NaN or infinite.
     """
-    import meshio
-
-    meshio.write(path, as_meshio(result), file_format="vtu")
-    if result.nodal_values:
-        say(path, result.nodal_values)
+    write_triangles(path, unstructured(result), result.nodal_values or "")
 
 
-def as_meshio(result: Result) -> Any:
-    """Mesh, fields and groups of a result, as meshio has them.
+def unstructured(result: Result) -> Unstructured:
+    """Mesh, fields and groups of a result, as files have them.
 
     Raises
     ------
     SolveError
         If a field has a value that is NaN or infinite.
     """
-    import meshio
-
     mesh = result.mesh
     for name, values in {**result.fields, **result.cell_fields}.items():
         if not np.isfinite(values).all():
             raise SolveError(f"the result is not usable: the field {name} has values that are not finite")
     rows = result.rows
     points, cells = rows.nodes, rows.cells
-    kind = "triangle" if mesh.midpoints is None else "triangle6"
     point_data: dict[str, NDArray[np.generic]] = {
         name: at_nodes(rows, name, values, result.fields, result.edge_fields)
         for name, values in result.fields.items()
@@ -74,37 +68,25 @@ def as_meshio(result: Result) -> Any:
             )
             beyond = ends[: len(points) - len(numbers)]
             point_data[name] = np.concatenate([numbers, beyond]).astype(np.int32)
-    cell_data: dict[str, list[NDArray[np.generic]]] = {
-        name: [np.ascontiguousarray(values)] for name, values in result.cell_fields.items()
-    }
+    cell_data: dict[str, NDArray[np.generic]] = dict(result.cell_fields)
     for name, group in mesh.groups.items():
         if group.dimension == 2:
             marked = np.zeros(len(mesh.triangles), dtype=np.int32)
             marked[group.members] = 1
-            cell_data[f"{GROUP}{name}"] = [marked]
+            cell_data[f"{GROUP}{name}"] = marked
         else:
             marked = np.zeros(len(points), dtype=np.int32)
             marked[_nodes_of(rows, group.dimension, group.members)] = 1
             point_data[f"{GROUP}{name}"] = marked
         if group.dimension == 1:
             bits = np.isin(mesh.triangle_edges, group.members) @ np.array([1, 2, 4], dtype=np.int32)
-            cell_data[f"{EDGES_OF}{name}"] = [bits.astype(np.int32)]
-    return meshio.Mesh(points, [(kind, cells)], point_data, cell_data)
-
-
-def say(path: Path, words: str) -> None:
-    """A comment after the first line of an XML file."""
-    head, _, rest = path.read_bytes().partition(b"\n")
-    path.write_bytes(head + f"\n<!-- {words} -->\n".encode() + rest)
+            cell_data[f"{EDGES_OF}{name}"] = bits.astype(np.int32)
+    return Unstructured(points, cells, point_data, cell_data)
 
 
 def write_motion(path: Path, mesh: Mesh, displacement: Floats) -> None:
     """Write the mesh with one displacement (vertex, 3), for animations."""
-    import meshio
-
-    data = {"displacement": np.ascontiguousarray(displacement)}
-    cells = [("triangle", mesh.triangles)]
-    meshio.write(path, meshio.Mesh(mesh.points, cells, data), file_format="vtu")
+    write_triangles(path, Unstructured(mesh.points, mesh.triangles, {"displacement": displacement}, {}))
 
 
 def _nodes_of(rows: Rows, dimension: int, members: NDArray[np.int32]) -> NDArray[np.integer]:

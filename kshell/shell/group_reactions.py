@@ -13,13 +13,13 @@ from functools import cache, partial
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, lsqr, splu
 
 from kshell.equilibrium.linear import LinearSolution
 from kshell.equilibrium.reduction import Reduction
 from kshell.result.deferred import Deferred
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.supports import ShellSupports
+from kshell.solvers.nearest import nearest
 
 Floats = NDArray[np.float64]
 
@@ -93,6 +93,8 @@ def _shared(supports: ShellSupports, forces: Floats, sizes: Floats) -> list[tupl
         return []
     if len(held) == 1:
         return [(held[0].label, _projector(held[0].conditions.alone()) @ forces)]
+    from scipy.sparse.linalg import LinearOperator, lsqr
+
     # unknowns of one size, so that what is held twice is shared alike in any units
     onto = [_onto_held(group.conditions.alone(), sizes) for group in held]
     touched = np.any([t for _, t in onto], axis=0)
@@ -118,12 +120,12 @@ def _onto_held(reduction: Reduction, sizes: Floats) -> tuple[Callable[[Floats], 
     some = basis[touched]
     columns = np.flatnonzero(np.diff(some.tocsc().indptr))
     some = some[:, columns].tocsc()
-    solve = splu((some.T @ some).tocsc()).solve if len(columns) else None
+    best = nearest(some)
 
     def project(forces: Floats) -> Floats:
         out = np.zeros(len(forces))
         mine = forces[touched]
-        out[touched] = mine if solve is None else mine - some @ solve(some.T @ mine)
+        out[touched] = mine - some @ best(mine)
         return out
 
     return project, touched

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.rigid_modes import direction_words
@@ -18,6 +17,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.unjoined import vertex_parts
 from kshell.mesh.words import place
 from kshell.shell.discretisation import Discretisation
+from kshell.solvers.nearest import nearest
 
 Floats = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def require_held(
     # translations, turns and derivatives are compared as displacements: what counts as none has no unit
     unit = 1.0 / discretisation.unknown_sizes()
     basis = (sp.diags(unit) @ reduction.basis).tocsc()
-    best = splu((basis.T @ basis).tocsc()) if basis.shape[1] else None
+    best = nearest(basis)
     for number in range(count):
         x = mesh.points[part == number]
         centre = 0.5 * (x.min(axis=0) + x.max(axis=0))
@@ -54,7 +54,7 @@ def require_held(
         motion = discretisation.rigid_motions(centre, size)
         motion[part_of_unknown != number] = 0.0
         scaled = unit[:, None] * motion
-        resisted = scaled if best is None else scaled - basis @ best.solve(basis.T @ scaled)
+        resisted = scaled - basis @ best(scaled)
         gram = resisted.T @ resisted / float((scaled**2).sum(axis=0).max())
         if springs is not None:
             stiff = motion.T @ (springs @ motion)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -45,6 +44,4 @@ def split_patches(mesh: Mesh, patches: Ints, lines: NDArray[np.bool_]) -> Ints:
     edges = np.flatnonzero((mesh.edge_counts == 2) & ~lines)
     one, other = order[start[edges]] // 3, order[start[edges] + 1] // 3
     joined = patches[one] == patches[other]
-    size = (len(mesh.triangles),) * 2
-    graph = sp.csr_matrix((np.ones(int(joined.sum())), (one[joined], other[joined])), shape=size)
-    return np.asarray(connected_components(graph, directed=False)[1])
+    return connected_parts(len(mesh.triangles), one[joined], other[joined])[1]

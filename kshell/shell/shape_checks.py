@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from kshell.material.section import Section
 from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.near import in_balls
 from kshell.mesh.words import count, place
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.limits import THINNEST
@@ -163,9 +163,9 @@ def _near(corners: Floats, centres: Floats, reach: Floats) -> tuple[NDArray[np.i
     level = np.floor(np.log2(radius / radius.min() + 1e-12)).astype(int)
     for k in np.unique(level):
         mine = np.flatnonzero(level == k)
-        near = cKDTree(centre[mine]).query_ball_point(centres, reach + radius[mine].max())
-        balls.append(np.repeat(np.arange(len(near)), [len(n) for n in near]))
-        triangles.append(mine[np.concatenate([np.asarray(n, dtype=np.int64) for n in near])])
+        ball, near = in_balls(centre[mine], centres, reach + radius[mine].max())
+        balls.append(ball)
+        triangles.append(mine[near])
     return np.concatenate(balls), np.concatenate(triangles)
 
 

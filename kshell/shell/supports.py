@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from kshell.errors import InputError
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.scene.handlers import Handlers
@@ -214,9 +214,8 @@ def _connected(mesh: Mesh, edges: Ints, cut_at: Ints) -> list[Ints]:
     keep = ~np.isin(ends, cut_at)
     rows = np.concatenate([number[keep[:, k]] for k in (0, 1)])
     columns = np.concatenate([ends[keep[:, k], k] for k in (0, 1)])
-    link = sp.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(len(edges), len(mesh.points)))
-    count, label = connected_components(link @ link.T, directed=False)
-    return [edges[label == k] for k in range(count)]
+    label = connected_parts(len(edges) + len(mesh.points), rows, len(edges) + columns)[1][: len(edges)]
+    return [edges[label == k] for k in range(int(label.max(initial=-1)) + 1)]
 
 
 def _is_cut(mesh: Mesh, edges: Ints) -> bool:

@@ -37,9 +37,20 @@ def fits(matrix: Any, backend: str, available: float | None = None) -> bool:
 
 def available_bytes() -> float:
     """Memory that can still be had: what the machine has left, and in a container what its limit leaves."""
+    return min(_left_by_others(), _control_group(Path("/sys/fs/cgroup")))
+
+
+def _left_by_others() -> float:
+    """What the machine has left: on Linux the line "MemAvailable:   12345 kB"."""
+    table = Path("/proc/meminfo")
+    if table.is_file():
+        for line in table.read_text(encoding="utf-8").splitlines():
+            name, _, value = line.partition(":")
+            if name == "MemAvailable":
+                return 1024.0 * float(value.split()[0])
     import psutil
 
-    return min(float(psutil.virtual_memory().available), _control_group(Path("/sys/fs/cgroup")))
+    return float(psutil.virtual_memory().available)
 
 
 def _control_group(folder: Path) -> float:
@@ -53,15 +64,15 @@ def _control_group(folder: Path) -> float:
 
 def peak_bytes() -> float:
     """Largest memory of this process so far; where the system does not keep it (macOS) what is used now."""
-    import psutil
-
-    used = psutil.Process().memory_info()
-    if hasattr(used, "peak_wset"):  # Windows
-        return float(used.peak_wset)
     status = Path("/proc/self/status")  # Linux: the line "VmHWM:   12345 kB", the high water mark
     if status.is_file():
         for line in status.read_text(encoding="utf-8").splitlines():
             name, _, value = line.partition(":")
             if name == "VmHWM":
                 return 1024.0 * float(value.split()[0])
+    import psutil
+
+    used = psutil.Process().memory_info()
+    if hasattr(used, "peak_wset"):  # Windows
+        return float(used.peak_wset)
     return float(used.rss)

@@ -1,3 +1,4 @@
+import io
 import sys
 
 import numpy as np
@@ -5,6 +6,8 @@ import pytest
 
 import kshell as ks
 from kshell.draw.pictures import PICTURES
+from kshell.draw.plot import save_picture
+from kshell.draw.png import png
 from kshell.draw.scene_plot import plot_scene
 from tests.scene.fabricated import fabricated_result, scene_on, square_mesh
 
@@ -101,3 +104,40 @@ def test_constant_fields_and_missing_ones():
 
 def test_pyplot_is_left_alone():
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
+
+
+@pytest.mark.parametrize("shape", [(1, 1, 3), (5, 7, 3), (40, 3, 3)])
+def test_png_is_read_back(shape):
+    image = pytest.importorskip("PIL.Image")
+    pixels = np.random.default_rng(0).integers(0, 256, shape, dtype=np.uint8)
+    for level in (1, 6):
+        read = image.open(io.BytesIO(png(pixels, 150, level)))
+        np.testing.assert_array_equal(np.asarray(read), pixels)
+        assert read.info["dpi"][0] == pytest.approx(150, abs=0.1)
+
+
+def test_saved_pictures_are_those_of_plot(tmp_path):
+    """One figure is used for all fields; nothing of the one before stays in it."""
+    image = pytest.importorskip("PIL.Image")
+    result = fabricated_result()
+    result.fields["displacement"] = np.abs(
+        result.fields["displacement"]
+    )  # another scale of colours than moments
+    result.save(tmp_path, plots=True)
+    for name in ("moment_xx", "deflection", "von_mises_top"):
+        alone = io.BytesIO()
+        save_picture(result, name, alone)
+        shared = np.asarray(image.open(tmp_path / f"{name}.png"), dtype=int)
+        np.testing.assert_array_equal(shared, np.asarray(image.open(alone), dtype=int))
+
+
+def test_long_titles_are_wrapped():
+    title = "A very long title of a plate that nobody would read to its end, " * 3
+    figure = fabricated_result(title=title.strip()).plot("deflection")
+    figure.canvas.draw()
+    axes = figure.axes[0]
+    assert axes.get_title().replace("\n", " ") == title.strip()
+    box = axes.title.get_window_extent()
+    assert box.x0 > 0
+    assert box.x1 < figure.bbox.x1
+    assert box.y1 < figure.bbox.y1

@@ -7,7 +7,7 @@ import pytest
 
 import kshell as ks
 from kshell.result.pieces import piece_name, pieces_index, read_pieces, write_piece
-from kshell.result.vtu import as_meshio
+from kshell.result.vtu import unstructured
 
 
 @pytest.fixture(scope="module", params=[1, 2])
@@ -36,15 +36,15 @@ def in_pieces(result: ks.Result, folder: Path, count: int) -> Path:
 
 @pytest.mark.parametrize("count", [1, 3])
 def test_pieces_put_together_are_the_whole(result: ks.Result, tmp_path: Path, count: int) -> None:
-    whole, found = as_meshio(result), read_pieces(in_pieces(result, tmp_path, count))
+    whole, found = unstructured(result), read_pieces(in_pieces(result, tmp_path, count))
     np.testing.assert_array_equal(found.points, whole.points)
-    np.testing.assert_array_equal(found.cells[0].data, whole.cells[0].data)
-    assert found.cells[0].type == whole.cells[0].type
+    np.testing.assert_array_equal(found.cells[0].data, whole.cells)
+    assert found.cells[0].type == {3: "triangle", 6: "triangle6"}[whole.cells.shape[1]]
     assert set(found.point_data) == set(whole.point_data)
     assert set(found.cell_data) == set(whole.cell_data)
     for name, values in whole.point_data.items():
         np.testing.assert_array_equal(found.point_data[name], values)
-    for name, (values,) in whole.cell_data.items():
+    for name, values in whole.cell_data.items():
         np.testing.assert_array_equal(found.cell_data[name][0], values)
 
 

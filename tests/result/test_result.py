@@ -215,3 +215,21 @@ def test_fields_of_a_plate_are_recovered_when_they_are_looked_at(monkeypatch):
     top, bottom = result.fields["von_mises_top"], result.fields["von_mises_bottom"]
     assert worst["value"] == np.maximum(top, bottom).max()
     assert len(asked) == 1
+
+
+def test_names_and_words_that_xml_cannot_have(tmp_path):
+    """Names of groups may hold anything; ParaView's own reader takes the file too."""
+    mesh = square_mesh(2)
+    names = ["<\"&'>", "tab\tand\nline", "bell\x07", "größe"]
+    groups = {name: mesh.boundary_edges[:1] for name in names}
+    groups = {name: mesh.edges[edges] for name, edges in groups.items()}
+    result = fabricated_result(ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups))
+    result.nodal_values = "means --- of all <sides> --"
+    result.save(tmp_path)
+    known = {f"group {name}".replace("\x07", "\ufffd") for name in names}
+    assert known <= set(meshio.read(tmp_path / "result.vtu").point_data)
+    pyvista = pytest.importorskip("pyvista")
+    read = pyvista.read(tmp_path / "result.vtu")
+    np.testing.assert_array_equal(read.points, result.mesh.points)
+    np.testing.assert_array_equal(read["displacement"], result.fields["displacement"])
+    np.testing.assert_array_equal(read.cells_dict[5], result.mesh.triangles)

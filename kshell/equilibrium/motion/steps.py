@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
 from kshell.equilibrium.contact.barrier import Barrier
 from kshell.equilibrium.minimise import minimise
@@ -69,7 +68,11 @@ class Integrator:
         self._basis = loaded(0.0).reduction.basis
         reduced = (self._basis.T @ self.mass @ self._basis).tocsc()
         self._moving = np.flatnonzero(reduced.diagonal() > 0.0)
-        self._solve = splu(reduced[self._moving][:, self._moving]).solve if len(self._moving) else None
+        self._solve = None
+        if len(self._moving):
+            from scipy.sparse.linalg import splu
+
+            self._solve = splu(reduced[self._moving][:, self._moving]).solve
 
     @property
     def error(self) -> float:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.geometry.components import Floats
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 
 FLATTEST = 1e-14  # area of a triangle over its longest side squared
@@ -77,9 +78,6 @@ def _edge_place(mesh: Mesh, edge: int) -> str:
 
 def _pinched(mesh: Mesh) -> NDArray[np.int64]:
     """Vertices whose triangles do not form one fan: corners linked across edges fall into several parts."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     # corner number = 3 * triangle + local vertex; across an edge the corners at each of its ends are linked
     edge_of_side = mesh.triangle_edges.ravel()
     by_edge = np.argsort(edge_of_side, kind="stable")
@@ -91,9 +89,7 @@ def _pinched(mesh: Mesh) -> NDArray[np.int64]:
     corner[:, 1] = np.where(vertex[:, 1] == vertex[:, 0], corner[:, 1], corner[:, 1, ::-1])
     n = mesh.triangles.size
     a, b = corner[:, 0].ravel(), corner[:, 1].ravel()
-    fans, label = connected_components(
-        coo_array((np.ones(len(a), bool), (a, b)), shape=(n, n)), directed=False
-    )
+    fans, label = connected_parts(n, a, b)
     fan_vertex = np.zeros(fans, dtype=np.int64)
     fan_vertex[label] = mesh.triangles.ravel()
     return np.flatnonzero(np.bincount(fan_vertex, minlength=len(mesh.points)) > 1)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.orient import shared_edges
 from kshell.mesh.triangulation import Triangulation
 
@@ -97,11 +98,7 @@ def _angles(mesh: Triangulation) -> tuple[Floats, Ints]:
 
 def _components(number: int, links: Ints) -> Ints:
     """(item,) label of the connected set each belongs to."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_matrix((np.ones(len(links), dtype=bool), (links[:, 0], links[:, 1])), shape=(number, number))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    return connected_parts(number, links[:, 0], links[:, 1])[1]
 
 
 def _whole_fans(mesh: Triangulation, border_or_bent: Bools, label: Ints) -> Bools:

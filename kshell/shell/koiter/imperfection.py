@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from kshell.equilibrium.bifurcation import buckling_modes
 from kshell.equilibrium.model import Model
@@ -53,6 +52,8 @@ def imperfect(model: Model) -> KoiterModel:
 
 def _of_file(problem: ShellProblem, imperfection: Imperfection) -> Floats:
     """(node, 3): offsets of the vertices, and between them their interpolation along edges and triangles."""
+    from scipy.spatial import cKDTree
+
     mesh, surface = problem.space, problem.energy.surface
     points, values = _read(imperfection)
     distance, vertex = cKDTree(mesh.points).query(points)

@@ -22,17 +22,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial.transform import Rotation
 
+from kshell.mesh.connected import connected_parts
 from kshell.shell.koiter.edges import rest_directors
 from kshell.shell.koiter.reactions import rotation_axes
 from kshell.shell.koiter.surface import Surface
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -56,6 +57,8 @@ class Screw(NamedTuple):
 
     def at(self, points: Floats, part: float) -> Floats:
         """(n, 3) displacement of points at rest (n, 3) at a part of the motion."""
+        from scipy.spatial.transform import Rotation
+
         rotation = Rotation.from_rotvec(part * self.turn).as_matrix()
         return (points - self.centre) @ (rotation - np.eye(3)).T + part * (
             _series(part * self.turn) @ self.slide
@@ -92,6 +95,8 @@ def screw_of(points: Floats, moved: Floats, towards: Floats) -> Screw | None:
     towards : (3,)
         Axis of half turns of a line of nodes, as far as it is across the line.
     """
+    from scipy.spatial.transform import Rotation
+
     centre, mean = points.mean(axis=0), moved.mean(axis=0)
     rest, relative = points - centre, moved - mean
     now = rest + relative
@@ -114,6 +119,8 @@ def screw_of(points: Floats, moved: Floats, towards: Floats) -> Screw | None:
 
 def _between(a: Floats, b: Floats, towards: Floats) -> Rotation:
     """The smallest rotation that turns one direction into another."""
+    from scipy.spatial.transform import Rotation
+
     length = np.linalg.norm(b)
     if length == 0.0:
         return Rotation.identity()
@@ -158,6 +165,8 @@ class Body:
 
     def alpha(self, before: float, after: float) -> Floats:
         """(m,) rotations of a step, without the spin."""
+        from scipy.spatial.transform import Rotation
+
         angle = (self.spin * before)[:, None]
         d = self.directors * np.cos(angle) + np.cross(self.tangents, self.directors) * np.sin(angle)
         turned = Rotation.from_rotvec((after - before) * self.screw.turn)
@@ -259,10 +268,12 @@ def follow_rigid(
 def _joined(groups: Sequence[Ints], count: int) -> list[Ints]:
     """Groups that share nodes, as one."""
     owner = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
-    member = sp.csr_matrix((np.ones(len(owner)), (owner, np.concatenate(groups))), shape=(len(groups), count))
-    parts, label = connected_components(member @ member.T, directed=False)
+    label = connected_parts(len(groups) + count, owner, len(groups) + np.concatenate(groups))[1][
+        : len(groups)
+    ]
     return [
-        np.unique(np.concatenate([groups[int(i)] for i in np.flatnonzero(label == k)])) for k in range(parts)
+        np.unique(np.concatenate([groups[int(i)] for i in np.flatnonzero(label == k)]))
+        for k in range(int(label.max()) + 1)
     ]
 
 

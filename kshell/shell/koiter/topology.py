@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components, depth_first_order
 
+from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.shell.frames import components, covariant_to_frame, tangent_frame
 from kshell.shell.koiter.surface import Surface
@@ -60,8 +60,8 @@ def parts(mesh: Mesh) -> Ints:
     """(triangle,) number of the part each triangle belongs to."""
     triangles = len(mesh.triangles)
     rows = np.repeat(np.arange(triangles), 3)
-    incidence = sp.csr_matrix((np.ones(3 * triangles), (rows, mesh.triangle_edges.ravel())))
-    return connected_components(incidence @ incidence.T, directed=False)[1].astype(np.int32)
+    of = connected_parts(triangles + len(mesh.edges), rows, triangles + mesh.triangle_edges.ravel())[1]
+    return of[:triangles].astype(np.int32)
 
 
 def _walks_ahead(mesh: Mesh) -> NDArray[np.bool_]:
@@ -90,10 +90,8 @@ def sheets(mesh: Mesh) -> list[Sheet]:
     flip = ahead[places[:, 0]] == ahead[places[:, 1]]
     rows = np.concatenate([a, a + triangles])
     columns = np.concatenate([np.where(flip, b + triangles, b), np.where(flip, b, b + triangles)])
-    cover = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * triangles, 2 * triangles))
-    side = connected_components(cover, directed=False)[1]
-    graph = sp.coo_matrix((np.ones(len(a)), (a, b)), shape=(triangles, triangles))
-    count, label = connected_components(graph, directed=False)
+    _, side = connected_parts(2 * triangles, rows, columns)
+    count, label = connected_parts(triangles, a, b)
     result = []
     for number in range(count):
         mine = np.flatnonzero(label == number).astype(np.int32)
@@ -108,12 +106,14 @@ def boundary_loops(mesh: Mesh) -> list[Ints]:
     ends = mesh.edges[mesh.boundary_edges]
     if not len(ends):
         return []
+    from scipy.sparse.csgraph import depth_first_order
+
     vertices, local = np.unique(ends, return_inverse=True)
     local = local.reshape(ends.shape)
     size = (len(vertices), len(vertices))
     graph = sp.coo_matrix((np.ones(len(ends)), local.T), shape=size).tocsr()
     graph = graph + graph.T
-    count, label = connected_components(graph, directed=False)
+    count, label = connected_parts(len(vertices), *local.T)
     starts = [int(np.argmax(label == number)) for number in range(count)]
     return [
         vertices[depth_first_order(graph, start, directed=False, return_predecessors=False)].astype(np.int32)
@@ -142,9 +142,7 @@ def smooth_patches(surface: Surface, largest: float = np.radians(10.0)) -> Ints:
     edges, places = edge_neighbours(surface.mesh)
     smooth = fold_angles(surface)[edges] < largest
     a, b = (places[smooth] // 3).T
-    size = len(surface.mesh.triangles)
-    graph = sp.coo_matrix((np.ones(len(a)), (a, b)), shape=(size, size))
-    return connected_components(graph, directed=False)[1].astype(np.int32)
+    return connected_parts(len(surface.mesh.triangles), a, b)[1].astype(np.int32)
 
 
 def largest_curvature(surface: Surface) -> Floats:

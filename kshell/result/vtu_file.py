@@ -1,0 +1,112 @@
+"""The .vtu format: one mesh of triangles with arrays at its points and cells, compressed.
+
+Source of the format: VTK file formats, docs.vtk.org (XML, inline binary, zlib blocks).
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import re
+import sys
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.version import __version__
+
+TRIANGLE = {3: 5, 6: 22}  # VTK's numbers of cells, by nodes: corners, then the middles of edges 01, 12, 20
+BLOCK = 1 << 18  # bytes compressed at a time
+LEVEL = 1  # of zlib: digits of results hardly compress further
+NOT_IN_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
+Array = NDArray[np.generic]
+
+
+class Unstructured(NamedTuple):
+    """What a file holds.
+
+    Attributes
+    ----------
+    points : (point, 3) array
+    cells : (cell, 3 or 6) array
+        Numbers of points.
+    point_data, cell_data : name to array (point or cell, ...)
+        Of numbers.
+    """
+
+    points: Array
+    cells: Array
+    point_data: dict[str, Array]
+    cell_data: dict[str, Array]
+
+
+def write_triangles(path: Path, mesh: Unstructured, comment: str = "") -> None:
+    """Write a mesh, with words after the first line."""
+    points, cells, point_data, cell_data = mesh
+    order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
+    count, nodes = cells.shape
+    with path.open("wb") as file:
+
+        def say(line: str) -> None:
+            file.write(line.encode() + b"\n")
+
+        say('<?xml version="1.0" encoding="UTF-8"?>')
+        if comment:
+            say(f"<!-- {_words(comment)} -->")
+        say(
+            f'<VTKFile type="UnstructuredGrid" version="0.1" byte_order="{order}" header_type="UInt32" '
+            'compressor="vtkZLibDataCompressor">'
+        )
+        say(f"<!-- kshell {__version__} -->")
+        say(f'<UnstructuredGrid>\n<Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">')
+        parts: list[tuple[str, Mapping[str, Array]]] = [
+            ("Points", {"Points": points}),
+            (
+                "Cells",
+                {
+                    "connectivity": cells.ravel(),
+                    "offsets": np.arange(1, count + 1, dtype=cells.dtype) * nodes,
+                    "types": np.full(count, TRIANGLE[nodes], dtype=np.uint8),
+                },
+            ),
+            ("PointData", point_data),
+            ("CellData", cell_data),
+        ]
+        for part, arrays in parts:
+            say(f"<{part}>")
+            for name, values in arrays.items():
+                _array(file, name, values)
+            say(f"</{part}>")
+        say("</Piece>\n</UnstructuredGrid>\n</VTKFile>")
+
+
+def _array(file: BinaryIO, name: str, values: Array) -> None:
+    """One array: its kind, then sizes and blocks in base64."""
+    kind = {"f": "Float", "i": "Int", "u": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)
+    components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
+    label = _attribute(name)
+    file.write(f'<DataArray type="{kind}" Name="{label}"{components} format="binary">\n'.encode())
+    data = values.tobytes()
+    blocks = [zlib.compress(data[at : at + BLOCK], LEVEL) for at in range(0, len(data), BLOCK)]
+    rest = len(data) - (len(blocks) - 1) * BLOCK if blocks else 0
+    sizes = np.array([len(blocks), BLOCK, rest, *map(len, blocks)], dtype=np.uint32)
+    file.write(base64.b64encode(sizes.tobytes()) + base64.b64encode(b"".join(blocks)))
+    file.write(b"\n</DataArray>\n")
+
+
+def _attribute(name: str) -> str:
+    """A name between quotation marks of XML; characters that XML cannot have become U+FFFD."""
+    text = html.escape(NOT_IN_XML.sub("\ufffd", name))
+    for space in "\t\n\r":
+        text = text.replace(space, f"&#{ord(space)};")
+    return text
+
+
+def _words(text: str) -> str:
+    """Words of a comment, which may not have two hyphens in a row."""
+    return NOT_IN_XML.sub("\ufffd", text).replace("--", "- -").replace("--", "- -")
