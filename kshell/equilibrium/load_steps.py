@@ -27,6 +27,7 @@ from kshell.equilibrium.limit_points import (
     leave_unstable,
 )
 from kshell.equilibrium.march import March
+from kshell.equilibrium.minimise import stiffened
 from kshell.equilibrium.newton import correct
 from kshell.equilibrium.path import Critical, Path, PathFollower
 from kshell.equilibrium.problem import Problem, State
@@ -112,6 +113,14 @@ class LoadSteps:
             try:
                 found = correct(self.problem, state, state.factor + size)
             except SolveError as error:
+                first = (
+                    stiffened(self.problem, state, state.factor + size)
+                    if march.attempts == 1 and not state.negative
+                    else None
+                )
+                if first is not None:
+                    moved = distance(self.problem, first.x - state.x)
+                    return replace(march, state=first, size=size, moved=moved, rate=moved / abs(size)), None
                 march = replace(march, size=0.5 * size)
                 if abs(march.size) < max(SMALLEST_STEP * abs(self.span), CLOSE * abs(state.factor)):
                     if course.limits == "jump":

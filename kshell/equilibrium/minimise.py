@@ -25,6 +25,8 @@ CLOSE = 1e-4
 OVERSHOT, MOST_CUTS = 0.5, 30
 # a shorter step, against the last
 LEAST_CUT, MOST_CUT = 0.1, 0.5
+# iterations downhill from the rest, and what they may move against linear theory; a membrane takes eleven
+MOST_STIFFENED, LESS = 25, 0.5
 
 
 def minimise(
@@ -75,6 +77,34 @@ def minimise(
                 return problem.settle(found)
         x = _along(problem, State(factor, x, state.memory), step, abs(work), part)
     raise SolveError(f"no stable equilibrium found at the load factor {factor:.6g} downhill", state=state)
+
+
+def stiffened(problem: Problem, state: State, factor: float) -> State | None:
+    """The equilibrium at a load factor of what gets stiffer as it deflects, such as a membrane, from its rest.
+
+    There Newton's method fails at any load under which the linear deflection is many times the thickness, and starts so
+    small as to be of use would look like a limit point at the load zero. What moves less than half as far as linear
+    theory has it has passed no maximum of the load, and needs no small steps.
+
+    Returns
+    -------
+    State or None
+        None where none is found downhill, or one that moves farther, and with contact.
+    """
+    if problem.touching is not None:
+        return None
+    basis = problem.reduction.basis
+    shift = problem.reduction.shift(state.factor, factor)
+    energy, residual, _ = problem.evaluate(state.x, factor, 2, state.memory)
+    pull = energy.hessian @ shift if np.any(shift) else 0.0
+    linear = shift + basis @ problem.factorise(energy.hessian).solve(basis.T @ (residual - pull))
+    try:
+        found = minimise(problem, state, factor, MOST_STIFFENED)
+    except SolveError:
+        return None
+    size = np.sqrt(problem.energy.translation_weights())
+    moved = found.x + found.turned - state.x - state.turned
+    return found if np.linalg.norm(size * moved) < LESS * np.linalg.norm(size * linear) else None
 
 
 def _shifted(problem: Problem, state: State, factor: float) -> Floats:

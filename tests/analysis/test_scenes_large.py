@@ -15,6 +15,7 @@ import kshell as ks
 from kshell.cli.commands import run
 from kshell.mesh import write_msh
 from kshell.verify.cases import large_scenes
+from tests.plate.plates import disk
 from tests.scene.fabricated import square_mesh
 
 ROOT = Path(__file__).parents[2]
@@ -318,3 +319,23 @@ def test_element_on_a_chart_agrees_with_triangles():
     assert values[0]["u"][2] == pytest.approx(values[1]["u"][2], rel=2e-3)
     assert values[0]["N"] == pytest.approx(values[1]["N"], abs=2e-2 * np.abs(values[1]["N"]).max())
     assert values[0]["M"] == pytest.approx(values[1]["M"], abs=5e-2 * np.abs(values[1]["M"]).max())
+
+
+@pytest.mark.parametrize("thickness", [1e-4, pytest.param(1e-6, marks=pytest.mark.full)])
+def test_a_membrane_takes_its_load_in_one_step(thickness):
+    """Hencky: w = 0.6536 (q a / E t)^(1/3) a at the centre; no limit point is passed on the way."""
+    modulus, rise = 1e9, 0.05
+    result = ks.solve(
+        ks.Scene(
+            mesh=disk(4),
+            thickness=thickness,
+            material=ks.Isotropic(E=modulus, nu=0.3),
+            supports=[ks.Clamped("edge")],
+            loads=[ks.Pressure(modulus * thickness * (rise / 0.6536) ** 3)],
+            probes={"c": (0, 0, 0)},
+            solve={"large_deflection": True, "error": "off"},
+        )
+    )
+    assert result.probe("c")["u"][2] == pytest.approx(rise, rel=1e-2)
+    assert not result.critical
+    assert result.solver["iterations"] <= 15
