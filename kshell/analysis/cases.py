@@ -101,7 +101,7 @@ def _case(run: Run, model: Model | None, analyse: Analyse, name: str, row: Float
 def _together(run: Run, found: Mapping[str, Result], factors: Mapping[str, Floats]) -> Result:
     result = gathered(found, {c.name: dict(c.factors) for c in run.scene.combinations if c.name in found})
     result.warnings += [f"load cases: {words}" for words in idle_loads(run.scene.loads, factors)]
-    if any(getattr(support, "value", None) is not None for support in run.scene.supports):
+    if any(support.moves for support in run.scene.supports):
         result.warnings.append(
             "load cases: the prescribed motion of supports acts in full in every case and in every combination"
         )

@@ -69,7 +69,8 @@ def analyse(model: Model, run: Run) -> Result:
         "steps": film.going[-1].steps,
         "rejected": film.going[-1].rejected,
     }
-    described(result, model, run, [moving.words], solver, large=True)
+    warmth = moving.at(film.going[-1].motion.time).warmth()
+    described(result, model, run, [moving.words], solver, large=True, warmth=warmth)
     if film.failure is not None:
         film.failure.state = result
         raise film.failure

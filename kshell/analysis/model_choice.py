@@ -18,10 +18,11 @@ from kshell.mesh.check import is_flat
 from kshell.mesh.facets import facets
 from kshell.mesh.facing import top_words
 from kshell.mesh.words import shown
-from kshell.scene.loads import exceeds
+from kshell.scene.loads import Temperature, exceeds
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic, Hinge, RigidLink, Support
+from kshell.scene.thermal import couples
 from kshell.shell.chart.lines import large_across_lines
 from kshell.shell.limits import THINNEST, USE_KOITER
 from kshell.solvers.memory import SHARE, available_bytes
@@ -312,6 +313,8 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
         words = placed.item.stretches(placed.vertices(mesh))
         if words:
             yield f"{placed.item} {words}"
+        elif isinstance(placed.item, Temperature) and couples(placed.item, structure.section):
+            yield f"{placed.item} bends and stretches it at once, because its layers expand differently"
 
 
 def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:

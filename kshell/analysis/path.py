@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
@@ -52,7 +52,9 @@ def described_trace(model: Model, run: Run, result: Result, trace: Trace, reason
     """The result of a trace with what the run did; raises the failure of the trace with it."""
     solver = {"name": "direct", "why": "shells are factorised", "iterations": trace.iterations}
     solver["steps"] = len(trace.states) - 1
-    described(result, model, run, reasons, solver, large=True)
+    factor = trace.states[-1].factor
+    warmth = [replace(placed, item=placed.item.times(factor)) for placed in model.warmth()]
+    described(result, model, run, reasons, solver, large=True, warmth=warmth)
     if trace.failure is not None:
         trace.failure.state = result
         raise trace.failure

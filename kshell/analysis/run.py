@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,9 +15,11 @@ from kshell.equilibrium.model import Model
 from kshell.mesh.mesh import Mesh
 from kshell.result.peaks import mark_peaks
 from kshell.result.result import Result
+from kshell.scene.loads import Load, Temperature
 from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
-from kshell.scene.structure import Structure, resolve
+from kshell.scene.structure import Placed, Structure, resolve
+from kshell.scene.thermal import keeps_stress
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +79,21 @@ class Run:
 
 
 def described(
-    result: Result, model: Model, run: Run, reasons: list[str], solver: dict[str, Any], large: bool
+    result: Result,
+    model: Model,
+    run: Run,
+    reasons: list[str],
+    solver: dict[str, Any],
+    large: bool,
+    warmth: Sequence[Placed[Load]] = (),
 ) -> Result:
-    """The result with what every result says: analysis, model with its reasons, solver, seconds and memory."""
+    """The result with what every result says: analysis, model with its reasons, solver, seconds and memory.
+
+    Parameters
+    ----------
+    warmth : sequence of Placed
+        The temperatures that act in its state.
+    """
     result.analysis = run.options.analysis
     result.model = {
         "kind": model.kind,
@@ -91,9 +106,20 @@ def described(
             *(f"mesh: {note}" for note in model.structure.parameters.notes),
         ],
     }
+    if any(_keeps_stress(placed, model.structure) for placed in warmth):
+        result.model["reasons"].append(
+            "strain energy: without that of the stresses, free of resultants, that warm layers keep against each other"
+        )
     mark_peaks(result, model.structure)
     if result.probes or "von_mises_top" in result.fields:
-        add_strength(result, model.structure)
+        add_strength(result, model.structure, warmth)
     answer_asked(result, run.scene)
     result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": run.clock.peak_memory_mb}
     return result
+
+
+def _keeps_stress(placed: Placed[Load], structure: Structure) -> bool:
+    load = placed.item
+    return isinstance(load, Temperature) and keeps_stress(
+        load, structure.section, placed.members(structure.space)
+    )

@@ -111,7 +111,7 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
         assert solved is not None
         if indicator is not None:
             result.error["budget"]["large_deflection"] = indicator.change
-        described(result, model, run, reasons, _solver(solved), large=False)
+        described(result, model, run, reasons, _solver(solved), large=False, warmth=model.warmth())
         if indicator is not None and indicator.matters:
             result.warnings.append(
                 f"{indicator.words()}, but {limited}: the answer is linear all the same; "
@@ -178,7 +178,7 @@ def _linear_only(model: Model, run: Run, solved: Solved | None) -> Answered:
             solved = model.solve(options.solver)
     with run.clock.stage("recover"):
         plate = model.recover(solved)
-    described(plate, model, run, [_LINEAR], _solver(solved), large=False)
+    described(plate, model, run, [_LINEAR], _solver(solved), large=False, warmth=model.warmth())
     thickness = float(plate.cell_fields["thickness"].max())
     ratio = abs(plate.extremes["deflection"]["value"]) / thickness
     words = f"the largest deflection is {ratio:.2g} times the thickness"

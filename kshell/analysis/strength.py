@@ -6,6 +6,8 @@ in a row of values that several materials share the smallest yield stress counts
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,17 +15,26 @@ from kshell.material.part import Layered
 from kshell.material.plies import ply_stresses
 from kshell.mesh.closest import Locator
 from kshell.result.result import Result
-from kshell.scene.structure import Structure
+from kshell.scene.loads import Load, Temperature
+from kshell.scene.structure import Placed, Structure
+from kshell.scene.thermal import layers_left
 
 Floats = NDArray[np.float64]
+Warmth = Sequence[Placed[Load]]
 
 FACES = ("bottom", "middle", "top")
 
 
-def add_strength(result: Result, structure: Structure) -> None:
-    """Add `layers` to the probes on laminates, and the field, extreme and probe values `utilisation`."""
+def add_strength(result: Result, structure: Structure, warmth: Warmth = ()) -> None:
+    """Add `layers` to the probes on laminates, and the field, extreme and probe values `utilisation`.
+
+    Parameters
+    ----------
+    warmth : sequence of Placed
+        The temperatures that act.
+    """
     if any(isinstance(part, Layered) for part in structure.section.parts) and structure.direction is None:
-        _add_layers(result, structure)
+        _add_layers(result, structure, warmth)
     limits = {
         face: structure.section.yield_stress(side) for face, side in zip(FACES, (-1, 0, 1), strict=True)
     }
@@ -42,13 +53,19 @@ def _triangles(result: Result, structure: Structure) -> dict[str, int]:
     return dict(zip(names, found.tolist(), strict=True))
 
 
-def _add_layers(result: Result, structure: Structure) -> None:
+def _add_layers(result: Result, structure: Structure, warmth: Warmth) -> None:
     for name, triangle in _triangles(result, structure).items():
         part, probe = structure.section.part_of(triangle), result.probes[name]
         if isinstance(part, Layered) and "M" in probe:
             force = probe.get("membrane_stress_resultant", probe["N"])
             offset = float(structure.offset[triangle])
-            probe["layers"] = ply_stresses(part.stack, force, probe["M"], probe.get("Q"), offset)
+            left = sum(
+                layers_left(placed.item, structure.section, triangle, np.asarray(probe["x"]), offset)
+                for placed in warmth
+                if isinstance(placed.item, Temperature) and triangle in placed.members(structure.space)
+            )
+            own = None if np.ndim(left) == 0 else np.asarray(left)
+            probe["layers"] = ply_stresses(part.stack, force, probe["M"], probe.get("Q"), offset, own)
 
 
 def _add_utilisation(result: Result, structure: Structure, limits: dict[str, Floats]) -> None:

@@ -27,7 +27,8 @@ from kshell.equilibrium.problem import Problem, State
 from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError
 from kshell.result.result import Result
-from kshell.scene.structure import Structure
+from kshell.scene.loads import Load
+from kshell.scene.structure import Placed, Structure
 
 Floats = NDArray[np.float64]
 
@@ -87,6 +88,10 @@ class Model(ABC):
     @abstractmethod
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
+
+    def warmth(self) -> list[Placed[Load]]:
+        """The temperatures that act."""
+        return []
 
     # matrices and vectors of the free unknowns
 

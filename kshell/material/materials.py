@@ -20,6 +20,7 @@ from pydantic import WithJsonSchema
 from kshell.errors import InputError
 from kshell.material.elastic_constants import elastic_constants, require_positive
 from kshell.material.elastic_symmetry import stiffness, stiffness_matrix
+from kshell.material.expansion import ExpansionKey
 from kshell.values import kinds
 from kshell.values.validation import Number, described
 
@@ -70,6 +71,8 @@ class Isotropic:
         Mass per volume.
     yield_stress : float, optional [force / length^2]
         Against which von Mises stresses are held as `utilisation`.
+    expansion : float or [a1, a2], optional [1 / temperature]
+        Coefficient of thermal expansion, along both axes of the material or along each; for temperature loads.
 
     Raises
     ------
@@ -84,6 +87,7 @@ class Isotropic:
     nu = 0.3
     density = 7850
     yield_stress = 235e6
+    expansion = 1.2e-5
 
     [group.web.material]
     lame_lambda = 1.2e11
@@ -97,6 +101,7 @@ class Isotropic:
     lame_mu: Number | None = None
     density: Number = 0.0
     yield_stress: Number | None = None
+    expansion: ExpansionKey = None
 
     def __post_init__(self) -> None:
         pairs = {name: getattr(self, name) for name in ("E", "nu", "lame_lambda", "lame_mu")}
@@ -150,6 +155,8 @@ class Orthotropic:
         Mass per volume.
     yield_stress : float, optional [force / length^2]
         Against which von Mises stresses are held as `utilisation`.
+    expansion : float or [a1, a2], optional [1 / temperature]
+        Coefficient of thermal expansion, along both axes of the material or along each; for temperature loads.
     G13, G23 : float, optional [force / length^2]
         Transverse shear moduli along the axes, > 0; G12 where they are not given. Only how much shear would add to the
         deflection, and shear stresses, hang on them.
@@ -167,6 +174,7 @@ class Orthotropic:
     angle = 30
     density = 1600
     yield_stress = 900e6
+    expansion = [-0.5e-6, 30e-6]
     ```
     """
 
@@ -179,6 +187,7 @@ class Orthotropic:
     G13: Number | None = None
     G23: Number | None = None
     yield_stress: Number | None = None
+    expansion: ExpansionKey = None
 
     def __post_init__(self) -> None:
         for name in ("E1", "E2", "G12", "G13", "G23"):
@@ -217,6 +226,8 @@ class Anisotropic:
         Mass per volume.
     yield_stress : float, optional [force / length^2]
         Against which von Mises stresses are held as `utilisation`.
+    expansion : float or [a1, a2], optional [1 / temperature]
+        Coefficient of thermal expansion, along both axes of the material or along each; for temperature loads.
     angle : float [degrees]
         Degrees from the global x axis to material axis 1, counter-clockwise.
 
@@ -228,6 +239,7 @@ class Anisotropic:
     density = 2330
     angle = 45
     yield_stress = 300e6
+    expansion = 2.6e-6
     ```
     """
 
@@ -235,6 +247,7 @@ class Anisotropic:
     density: Number = 0.0
     angle: Number = 0.0
     yield_stress: Number | None = None
+    expansion: ExpansionKey = None
     _stiffness: Any = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:

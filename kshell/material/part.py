@@ -16,9 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.errors import InputError
 from kshell.material.given import Section as GivenSection
 from kshell.material.laminate import Laminate
 from kshell.material.materials import Material, transverse_shear
+from kshell.material.thermal import Expansion, Warming, along_axes, of_layers, of_one_material
 from kshell.values.varying import is_constant
 
 Floats = NDArray[np.float64]
@@ -92,6 +94,16 @@ class Part(ABC):
         """Yield stress at the bottom (face -1), in the middle (0), at the top (1); None where it is not known."""
         return None
 
+    @abstractmethod
+    def warming(self, expansion: Expansion | None) -> Warming:
+        """What it does when it warms, with its own expansion or with another one along the axes of its material.
+
+        Raises
+        ------
+        InputError
+            If it has none.
+        """
+
 
 class Homogeneous(Part):
     """One material through the thickness."""
@@ -130,6 +142,12 @@ class Homogeneous(Part):
 
     def yield_stress(self, face: int) -> float | None:
         return getattr(self.material, "yield_stress", None)
+
+    def warming(self, expansion: Expansion | None) -> Warming:
+        a = along_axes(self.material, 0.0, expansion)
+        if a is None:
+            raise InputError("the material has no expansion: give it beside E, or in the load")
+        return of_one_material(a)
 
 
 class Layered(Part):
@@ -177,6 +195,9 @@ class Layered(Part):
         layer = self.stack.layers[(0, self.stack.middle_layer, -1)[face + 1]]
         return getattr(layer.material, "yield_stress", None)
 
+    def warming(self, expansion: Expansion | None) -> Warming:
+        return of_layers(self.stack, expansion)
+
 
 class Given(Part):
     """By its stiffness; stresses are N / t and +- 6 M / t^2, where it has a thickness."""
@@ -221,3 +242,8 @@ class Given(Part):
     def coupled(self) -> float:
         size = np.sqrt(np.abs(self.section.membrane).max() * np.abs(self.section.bending).max())
         return float(np.abs(self.section.coupling).max() / size)
+
+    def warming(self, expansion: Expansion | None) -> Warming:
+        if expansion is None:
+            raise InputError("a section given by its stiffness has no expansion: give it in the load")
+        return of_one_material(np.array([*expansion, 0.0]))

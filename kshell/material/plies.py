@@ -19,7 +19,12 @@ Floats = NDArray[np.float64]
 
 
 def ply_stresses(
-    stack: Laminate, N: Floats, M: Floats, shear: Floats | None = None, offset: float = 0.0
+    stack: Laminate,
+    N: Floats,
+    M: Floats,
+    shear: Floats | None = None,
+    offset: float = 0.0,
+    left: Floats | None = None,
 ) -> list[dict[str, Any]]:
     """Stresses at the bottom and the top of every layer, from the bottom up.
 
@@ -30,6 +35,8 @@ def ply_stresses(
         Forces and moments per length, xx, yy, xy, about a surface `offset` below the middle of the stack.
     shear : (2,), optional
         Shear forces Q_x, Q_y per length.
+    left : (layer, 2, 3), optional
+        Stresses besides at the bottom and the top of every layer, without resultant.
 
     Returns
     -------
@@ -47,8 +54,10 @@ def ply_stresses(
         found: dict[str, Any] = {"z": stack.z[k : k + 2].copy()}
         turn = np.linalg.inv(strain_rotation(layer.angle + getattr(layer.material, "angle", 0.0))).T
         worst = 0.0
-        for face, z in zip(("bottom", "top"), stack.z[k : k + 2], strict=True):
+        for side, (face, z) in enumerate(zip(("bottom", "top"), stack.z[k : k + 2], strict=True)):
             stress = stack.Q[k] @ (strain + (offset + z) * curvature)
+            if left is not None:
+                stress = stress + left[k, side]
             found[f"stress_{face}"] = stress
             found[f"material_{face}"] = turn @ stress
             if shear is not None:

@@ -23,6 +23,7 @@ from kshell.errors import InputError
 from kshell.material.by_group import parts_of
 from kshell.material.laminate import require_symmetric
 from kshell.material.part import Part
+from kshell.material.thermal import Expansion
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.values.varying import show, values_at
@@ -153,6 +154,33 @@ class Section:
         """(triangle,) yield stress at the bottom (-1), in the middle (0), at the top (1); infinite where not given."""
         limits = [part.yield_stress(face) for part in self.parts]
         return np.array([np.inf if limit is None else limit for limit in limits])[self._part]
+
+    def warming(self, triangles: Ints, expansion: Expansion | None) -> tuple[Floats, Floats]:
+        """What triangles (n,) do per unit of temperature in the middle, and of its growth per height (last axis).
+
+        Parameters
+        ----------
+        expansion : (2,), optional
+            Along the axes of the material; that of the materials if absent.
+
+        Returns
+        -------
+        free : (n, 6, 2)
+            Strain and curvature that leave no forces and moments, about the middle, shears doubled.
+        left : (n, 3, 3, 2)
+            Stress that is left at the bottom, in the middle and at the top.
+
+        Raises
+        ------
+        InputError
+            If a material has no expansion.
+        """
+        mine = self._part[triangles]
+        free, left = np.zeros((len(self.parts), 6, 2)), np.zeros((len(self.parts), 3, 3, 2))
+        for number in np.unique(mine).tolist():
+            found = self.parts[number].warming(expansion)
+            free[number], left[number] = np.concatenate([found.strain, found.curvature]), found.faces
+        return free[mine], left[mine]
 
     @property
     def moduli(self) -> list[Floats]:

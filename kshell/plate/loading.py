@@ -20,7 +20,7 @@ from kshell.plate.forms import Bending, edge_patch_for, edge_rows
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Field = Callable[[Ints, Floats], Floats]  # values (n, point) at points (n, point, 2) of triangles (n,)
+Field = Callable[[Ints, Floats], Floats]  # values (n, point, ...) at points (n, point, 2) of triangles (n,)
 
 LOAD_DEGREE = 6  # polynomial degree of a varying load that is integrated exactly
 
@@ -194,13 +194,15 @@ class PointLoad:
 class CurvatureLoad:
     """Initial curvature kappa_0 = (w_xx, w_yy, 2 w_xy) that the plate takes up without moments.
 
-    ``degree`` as in `AreaLoad`.
+    ``degree`` as in `AreaLoad`; ``left`` (face, triangles, points) are stresses (n, point, 3) that layers keep all the
+    same.
     """
 
     bending: Bending
     triangles: Ints | None
-    curvature: Callable[[Floats], Floats]  # (n, point, 3) at points (n, point, 2)
+    curvature: Field  # (n, point, 3) at points (n, point, 2) of triangles (n,)
     degree: int | None = None
+    left: Callable[[int, Ints, Floats], Floats] | None = None
 
     @property
     def everywhere(self) -> bool:
@@ -215,11 +217,16 @@ class CurvatureLoad:
         patch = next(domain.patches(element.maxdeg - 2 + LOAD_DEGREE, positions))
         rows = matrices.rows(element, domain.affine(positions), patch.xi, 2, transform)
         weighted = self.bending.stiffness(patch.triangles, patch.xy, patch.weights)
-        moment = (weighted @ self.curvature(patch.xy)[..., None])[..., 0]  # (n, point, 3)
+        moment = (weighted @ self.curvature(patch.triangles, patch.xy)[..., None])[..., 0]  # (n, point, 3)
         return np.einsum("eqk,eqku->eu", moment, rows)
 
     def times(self, factor: float) -> CurvatureLoad:
-        return replace(self, curvature=lambda xy: factor * self.curvature(xy))
+        left = self.left
+        return replace(
+            self,
+            curvature=lambda triangles, xy: factor * self.curvature(triangles, xy),
+            left=None if left is None else lambda face, triangles, xy: factor * left(face, triangles, xy),
+        )
 
     def resultant(self, origin: Floats) -> Floats:
         return np.zeros(3)  # self-equilibrated
@@ -229,7 +236,9 @@ class CurvatureLoad:
         patches = self.bending.domain.patches(2, self.triangles)
         return float(
             max(
-                np.abs(self.bending.at(p.triangles, p.xy) @ self.curvature(p.xy)[..., None]).max()
+                np.abs(
+                    self.bending.at(p.triangles, p.xy) @ self.curvature(p.triangles, p.xy)[..., None]
+                ).max()
                 for p in patches
             )
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from kshell.mesh.words import place
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
-from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
+from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, Field, LinearForm, PointLoad
 from kshell.plate.places import first_triangles, points_3d
 from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
@@ -33,6 +33,7 @@ from kshell.scene.loads import (
     Traction,
 )
 from kshell.scene.structure import Placed
+from kshell.scene.thermal import couples, free_strain, left_stress
 from kshell.scene.weights import weights
 from kshell.values.degree import polynomial_degree
 from kshell.values.varying import is_constant
@@ -57,12 +58,15 @@ class Loads:
     numbers : list of int
         Of the load in the scene that each form belongs to.
     warnings : list of str
+    warmth : list of (number, Placed)
+        Temperatures, with the number of the load.
     """
 
     forms: list[LinearForm] = field(default_factory=list)
     curvatures: list[CurvatureLoad] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    warmth: list[tuple[int, Placed[Load]]] = field(default_factory=list)
 
     def of(self, number: int) -> list[LinearForm]:
         """The forms of one load."""
@@ -73,14 +77,24 @@ class Loads:
         acting = [(f, k) for f, k in zip(self.forms, self.numbers, strict=True) if factors[k] != 0.0]
         forms = [form.times(float(factors[number])) for form, number in acting]
         curvatures = [form for form in forms if isinstance(form, CurvatureLoad)]
-        return Loads(forms, curvatures, [number for _, number in acting], self.warnings)
+        warmth = [(k, replace(p, item=p.item.times(float(factors[k])))) for k, p in self.warmth]
+        return Loads(forms, curvatures, [number for _, number in acting], self.warnings, warmth)
 
     def initial_curvature(self, triangles: Ints, xy: Floats) -> Floats:
         """Sum of initial curvatures (w_xx, w_yy, 2 w_xy) at points (n, point, 2) of triangles (n,)."""
         total = np.zeros((*xy.shape[:2], 3))
         for load in self.curvatures:
             here = slice(None) if load.triangles is None else np.isin(triangles, load.triangles)
-            total[here] += load.curvature(xy[here])
+            total[here] += load.curvature(triangles[here], xy[here])
+        return total
+
+    def left_stress(self, face: int, triangles: Ints, xy: Floats) -> Floats:
+        """(n, point, 3) stresses that warm layers keep at the bottom (-1), in the middle (0), at the top (1)."""
+        total = np.zeros((*xy.shape[:2], 3))
+        for load in self.curvatures:
+            if load.left is not None:
+                here = slice(None) if load.triangles is None else np.isin(triangles, load.triangles)
+                total[here] += load.left(face, triangles[here], xy[here])
         return total
 
 
@@ -106,7 +120,7 @@ def apply_loads(
     """
     builder = _Builder(domain, layout, bending, section, masses)
     for number, placed in enumerate(loads):
-        before = len(builder.out.forms)
+        builder.number, before = number, len(builder.out.forms)
         HANDLERS.handle(builder, placed, builder.out.warnings)
         builder.out.numbers += [number] * (len(builder.out.forms) - before)
     return builder.out
@@ -124,6 +138,7 @@ class _Builder:
         self.masses = masses
         self.domain, self.layout, self.bending, self.section = domain, layout, bending, section
         self.element = layout.element
+        self.number = 0
         self.out = Loads()
 
     def _triangles(self, placed: Placed[Any]) -> Ints | None:
@@ -250,26 +265,45 @@ class _Builder:
 
     @HANDLERS.of(Temperature)
     def _temperature(self, load: Any, placed: Placed[Any]) -> None:
-        mean = is_constant(load.mean) and load.mean == 0.0
-        if not mean:
+        if couples(load, self.section):
+            self.out.warnings.append(
+                f"{load}: it stretches the plate in its plane, too, which the plate is taken to be free to do: that "
+                'part is ignored; model = "shell" has it'
+            )
+        elif load.stretches(np.zeros((1, 3))):
             self.out.warnings.append(
                 f"{load}: the mean temperature stretches the plate in its plane and does not bend it: ignored"
             )
-        parts = [polynomial_degree(load.gradient), polynomial_degree(load.expansion)]
-        self._curvature(load, placed, None if None in parts else sum(part or 0 for part in parts))
+
+        def curvature(triangles: Ints, xy: Floats) -> Floats:
+            return -free_strain(load, self.section, triangles, points_3d(self.domain, xy))[..., 3:]
+
+        def left(face: int, triangles: Ints, xy: Floats) -> Floats:
+            return left_stress(load, self.section, face, triangles, points_3d(self.domain, xy))
+
+        degrees = [polynomial_degree((load.mean, load.gradient)), polynomial_degree(load.expansion or 0.0)]
+        degree = None if None in degrees else sum(part or 0 for part in degrees)
+        self._curvature(placed, curvature, degree, left)
+        self.out.warmth.append((self.number, placed))
 
     @HANDLERS.of(InitialCurvature)
     def _initial_curvature(self, load: Any, placed: Placed[Any]) -> None:
-        self._curvature(load, placed, polynomial_degree(load.value))
+        def curvature(triangles: Ints, xy: Floats) -> Floats:
+            return load.curvature_at(points_3d(self.domain, xy)) * np.array([1.0, 1.0, 2.0])
+
+        self._curvature(placed, curvature, polynomial_degree(load.value))
 
     @HANDLERS.of(InitialStrain)
     def _initial_strain(self, load: Any, placed: Placed[Any]) -> None:
         self.out.warnings.append(f"{load}: it stretches the plate in its plane and does not bend it: ignored")
 
-    def _curvature(self, load: Any, placed: Placed[Any], degree: int | None) -> None:
-        def curvature(xy: Floats) -> Floats:
-            return load.curvature_at(points_3d(self.domain, xy)) * np.array([1.0, 1.0, 2.0])
-
-        form = CurvatureLoad(self.bending, self._triangles(placed), curvature, degree)
+    def _curvature(
+        self,
+        placed: Placed[Any],
+        curvature: Field,
+        degree: int | None,
+        left: Callable[[int, Ints, Floats], Floats] | None = None,
+    ) -> None:
+        form = CurvatureLoad(self.bending, self._triangles(placed), curvature, degree, left)
         self.out.forms.append(form)
         self.out.curvatures.append(form)

@@ -21,7 +21,8 @@ from kshell.plate.problem import ELEMENTS, PlateProblem
 from kshell.plate.product import strain_product
 from kshell.result.deferred import Deferred
 from kshell.result.result import Result
-from kshell.scene.structure import Structure
+from kshell.scene.loads import Load
+from kshell.scene.structure import Placed, Structure
 from kshell.solvers import Prepared, Solution, prepare
 from kshell.solvers.dense import solve_dense
 from kshell.solvers.direct import Factorisation
@@ -69,6 +70,9 @@ class PlateModel(Model):
 
     def warnings(self) -> list[str]:
         return self.problem.warnings()
+
+    def warmth(self) -> list[Placed[Load]]:
+        return [placed for _, placed in self.problem.loads.warmth]
 
     def stiffness(self) -> sp.csr_matrix:
         return self.problem.assembled.matrix

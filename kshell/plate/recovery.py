@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from kshell.elements import matrices
 from kshell.elements.reference import VERTICES
-from kshell.material.section import Section
+from kshell.material.section import BOTTOM, TOP, Section
 from kshell.mesh.connected import connected_parts
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
@@ -223,7 +223,11 @@ class Fields:
         at = points_3d(self.domain, xy)
         top, bottom = self.section.stress_factors(triangles, at)
         kappa = -np.linalg.solve(self.bending.at(triangles, xy)[:, 0], moment[:, :, None])
-        return (top[:, 0] @ kappa)[..., 0], (bottom[:, 0] @ kappa)[..., 0]
+        both = (top[:, 0] @ kappa)[..., 0], (bottom[:, 0] @ kappa)[..., 0]
+        if not self.loads.warmth:
+            return both
+        left = [self.loads.left_stress(face, triangles, xy)[:, 0] for face in (TOP, BOTTOM)]
+        return both[0] + left[0], both[1] + left[1]
 
     @cached_property
     def locator(self) -> PlatePoints:

@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ from kshell.scene.loads import (
 )
 from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic, Support
+from kshell.scene.thermal import free_strain
 from kshell.values.varying import is_constant
 
 Floats = NDArray[np.float64]
@@ -79,7 +81,7 @@ def inner_lines(structure: Structure) -> InnerLines:
         bending = partial(_bending, section)
         out.jump[sides.edges] |= sides.differ(bending, section.constant_per_triangle)
     for load in structure.loads:
-        _of_load(load, mesh, inside, sides, out)
+        _of_load(load, section, mesh, inside, sides, out)
     return out
 
 
@@ -100,17 +102,29 @@ def _of_support(placed: Placed[Support], mesh: Mesh, inside: Flags, out: InnerLi
     (out.loaded if elastic else out.held)[edges] = True
 
 
-def _of_load(placed: Placed[Load], mesh: Mesh, inside: Flags, sides: _Sides, out: InnerLines) -> None:
+def _of_load(
+    placed: Placed[Load], section: Section, mesh: Mesh, inside: Flags, sides: _Sides, out: InnerLines
+) -> None:
     load, selection = placed.item, placed.place
     if isinstance(load, Temperature | InitialCurvature):
-        shapes = (load.gradient, load.expansion) if isinstance(load, Temperature) else (load.value,)
-        if selection is None and all(is_constant(shape) for shape in shapes):
+        shapes: tuple[Any, ...]
+        if isinstance(load, Temperature):
+            shapes = (load.gradient, load.mean, load.expansion or 0.0)
+            alike = load.expansion is not None or section.uniform
+        else:
+            shapes, alike = (load.value,), True
+        if selection is None and alike and all(is_constant(shape) for shape in shapes):
             return
         on = np.zeros(len(mesh.triangles), dtype=bool)
         on[placed.members(mesh)] = True
 
         def curvature(triangles: Ints, points: Floats) -> Floats:
-            return load.curvature_at(points) * on[triangles][:, None, None]
+            here, found = on[triangles], np.zeros((*points.shape[:2], 3))
+            if isinstance(load, Temperature):
+                found[here] = free_strain(load, section, triangles[here], points[here])[..., 3:]
+            else:
+                found[here] = load.curvature_at(points[here])
+            return found
 
         out.jump[sides.edges] |= sides.differ(curvature, False)
     elif selection is not None and selection.dimension == 2:

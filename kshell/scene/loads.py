@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
 
-from kshell.errors import InputError
-from kshell.scene.places import On, Place, ScalarValue, VectorValue, on_words
+from kshell.scene.places import On, Place, ScalarExpansion, ScalarValue, VectorValue, on_words
 from kshell.values.validation import Flag, described
 from kshell.values.varying import is_constant, values_at
 
@@ -322,14 +321,17 @@ class PointMoment(Load):
 class Temperature(Load):
     """A temperature change that varies linearly through the thickness.
 
+    Materials have an `expansion`; one that is given here goes before it. `kshell.scene.thermal` has what they do.
+
     Attributes
     ----------
     mean : scalar [temperature]
-        Change at the middle; a plate that is free to stretch does not feel it.
+        Change at the middle; a plate that is free to stretch does not feel it, unless its layers expand differently.
     gradient : scalar [temperature / length]
         Change per length along +z: (T_top - T_bottom) / thickness.
-    expansion : scalar [1 / temperature]
-        Coefficient of thermal expansion, strain per temperature.
+    expansion : scalar or [a1, a2], optional [1 / temperature]
+        Coefficient of thermal expansion, strain per temperature; two along the axes of the material. That of the
+        materials if absent.
 
     Examples
     --------
@@ -346,35 +348,37 @@ class Temperature(Load):
     scaling: ClassVar[tuple[str, ...]] = ("mean", "gradient")
     mean: ScalarValue = 0.0
     gradient: ScalarValue = 0.0
-    expansion: ScalarValue | None = None
+    expansion: ScalarExpansion = None
     on: On | None = None
     fixed: Flag = False
     name: Name = field(default="", kw_only=True)
 
-    def __post_init__(self) -> None:
+    def values(self, key: str, points: ArrayLike) -> NDArray[np.float64]:
+        """Mean or gradient (...) at points (..., 3)."""
+        return values_at(getattr(self, key), points, what=f"{self}, {key}")
+
+    def expansions(
+        self, points: ArrayLike
+    ) -> list[tuple[NDArray[np.float64] | float, tuple[float, float] | None]]:
+        """Whose sum the expansion is: numbers (...) at points (..., 3) times expansions along both axes.
+
+        None is that of the materials.
+        """
+        what = f"{self}, expansion"
         if self.expansion is None:
-            raise InputError(
-                "load temperature: expansion is missing: give the coefficient of thermal expansion"
-            )
-
-    def curvature_at(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Stress-free (w_xx, w_yy, w_xy) at points (..., 3): (-expansion gradient, the same, 0)."""
-        bend = -self._at("expansion", points) * self._at("gradient", points)
-        return np.stack([bend, bend, np.zeros_like(bend)], axis=-1)
-
-    def strain_at(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Stress-free strain of the middle surface at points (..., 3): expansion times mean."""
-        return self._at("expansion", points) * self._at("mean", points)
+            return [(1.0, None)]
+        if not isinstance(self.expansion, tuple):
+            return [(values_at(self.expansion, points, what=what), (1.0, 1.0))]
+        first, second = (values_at(a, points, what=what) for a in self.expansion)
+        return [(first, (1.0, 0.0)), (second, (0.0, 1.0))]
 
     def require_finite(self, points: ArrayLike) -> None:
-        self.curvature_at(points)
-        self.strain_at(points)
+        for key in ("mean", "gradient"):
+            self.values(key, points)
+        self.expansions(points)
 
     def stretches(self, points: ArrayLike) -> str:
         return "" if is_constant(self.mean) and self.mean == 0.0 else "stretches it"
-
-    def _at(self, key: str, points: ArrayLike) -> NDArray[np.float64]:
-        return values_at(getattr(self, key), points, what=f"{self}, {key}")
 
 
 @described("load initial_curvature")

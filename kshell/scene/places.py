@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError, clipped
+from kshell.material.expansion import as_expansion
 from kshell.values import kinds
 from kshell.values.expression import PLACE, Expression
 from kshell.values.time import TIME
@@ -143,6 +144,13 @@ def _as_either(value: Any) -> Any:
 ScalarOrVector = Annotated[
     Any, BeforeValidator(_as_either), WithJsonSchema(kinds.either(*kinds.SCALAR["anyOf"], kinds.VECTOR))
 ]
+
+ScalarExpansion = Annotated[
+    Any,
+    BeforeValidator(lambda value: as_expansion(value, as_scalar)),
+    WithJsonSchema(kinds.either(*kinds.SCALAR["anyOf"], kinds.listed(kinds.SCALAR, 2, 2))),
+]
+"""A thermal expansion that may vary: one, or two along the axes of the material."""
 
 PlacePoint = Annotated[Any, BeforeValidator(as_point), WithJsonSchema(kinds.POINT)]
 """A point."""

@@ -19,13 +19,14 @@ from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
-from kshell.scene.loads import Load, PointForce, PointMoment
+from kshell.scene.loads import Load, PointForce, PointMoment, Temperature
 from kshell.scene.masses import Mass
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point, ProbePoint
 from kshell.scene.scene import Scene
 from kshell.scene.sense import contradictions
 from kshell.scene.supports import Clamped, Fixed, RigidLink, Support
+from kshell.scene.thermal import require_expansions
 from kshell.values.time import at_time, depends_on_time
 
 Floats = NDArray[np.float64]
@@ -168,10 +169,14 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     for name, point in scene.probes.items():
         if isinstance(point, ProbePoint):
             select(space, point.on, dimensions=(2,), what=f'probe "{name}"')
+    section = shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
+    for placed in loads:
+        if isinstance(placed.item, Temperature):
+            require_expansions(placed.item, section, placed.members(space))
     return Structure(
         space,
         mesh,
-        shell_section(space, scene.thickness, scene.material, scene.layers, scene.section),
+        section,
         supports,
         loads,
         scene.probes,
@@ -199,8 +204,9 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
     except InputError as error:
         yield str(error)
         return
+    section = None
     try:
-        shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
+        section = shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
     except InputError as error:
         yield str(error)
     try:
@@ -222,6 +228,8 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
                 loads += found
             for placed in found:
                 (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
+                if section is not None and isinstance(placed.item, Temperature):
+                    require_expansions(placed.item, section, placed.members(space))
         except InputError as error:
             yield str(error)
     yield from contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space)

@@ -62,7 +62,8 @@ def probes_of(problem: ShellProblem, fields: ShellFields) -> Probed:
 
 def small_fields(problem: ShellProblem, x: Floats, initial: Floats | None = None) -> ShellFields:
     """Fields of small displacements (unknowns,), with strains without stress (triangle, r)."""
-    return _fields(problem, problem.discretisation.recovery(problem.energy, x, initial=initial))
+    recovery = problem.discretisation.recovery(problem.energy, x, initial=initial)
+    return _fields(problem, recovery, None if initial is None else 1.0)
 
 
 def state_fields(problem: ShellProblem, state: State) -> ShellFields:
@@ -70,17 +71,18 @@ def state_fields(problem: ShellProblem, state: State) -> ShellFields:
     initial = problem.loads.initial
     if initial is not None:
         initial = state.factor * initial
-    return _fields(
-        problem, problem.discretisation.recovery(problem.energy, state.x, True, state.memory, initial)
-    )
+    recovery = problem.discretisation.recovery(problem.energy, state.x, True, state.memory, initial)
+    return _fields(problem, recovery, state.factor)
 
 
-def _fields(problem: ShellProblem, recovery: Any) -> ShellFields:
+def _fields(problem: ShellProblem, recovery: Any, warmed: float | None) -> ShellFields:
+    """`warmed`: by what part of the temperatures; None where they do not act."""
+    left = None if warmed is None or not problem.loads.warmth else problem.left_stress(warmed)
     offset = problem.structure.offset
     patches, angles = problem.discretisation.patches()
     patches = split_patches(problem.space, patches, problem.jumps)
     find = problem.locator.find
-    return ShellFields(problem.space, recovery, problem.section, offset, patches, angles, find)
+    return ShellFields(problem.space, recovery, problem.section, offset, patches, angles, find, left)
 
 
 def _answer(

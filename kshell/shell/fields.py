@@ -20,7 +20,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.result.deferred import Deferred
 from kshell.result.rows import Rows
 from kshell.shell.resultants import Resultants
-from kshell.shell.vertex_fields import FACES, Recovered, VertexFields
+from kshell.shell.vertex_fields import FACES, Left, Recovered, VertexFields
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -50,6 +50,8 @@ class ShellFields:
     corner_angles : (triangle, 3)
     find : function
         Points (n, 3) to the nearest ones of the mesh.
+    left : function, optional
+        As in `Recovered`.
     """
 
     def __init__(
@@ -61,9 +63,10 @@ class ShellFields:
         patches: Ints,
         corner_angles: Floats,
         find: Callable[[Floats], Nearest],
+        left: Left | None = None,
     ) -> None:
         self.mesh, self.recovery, self.find = mesh, recovery, find
-        self._recovered = Recovered(recovery, section, offset)
+        self._recovered = Recovered(recovery, section, offset, left)
         self._vertices = VertexFields(mesh, self._recovered, patches, corner_angles)
 
     @property

@@ -9,6 +9,7 @@ What that is in the strains of each discretisation stands in koiter/initial.py a
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from kshell.shell.evaluate import Value, evaluate
 from kshell.shell.frames import components, contravariant_to_frame, tangent_frame
+from kshell.shell.section import Section
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
@@ -32,10 +34,26 @@ class StressFree:
         Tensor E_11, E_22, E_12 of the midsurface, a constant or a function of points.
     curvature : value
         Tensor kappa_11, kappa_22, kappa_12; > 0 makes the top longer than the bottom.
+    of_section : function, optional
+        Instead: both, (triangle, point, 6) with the shears doubled, at points (triangle, point, 3) of triangles, along
+        the axes from which the angles of the material count.
     """
 
     strain: Value = (0.0, 0.0, 0.0)
     curvature: Value = (0.0, 0.0, 0.0)
+    of_section: Callable[[Ints, Floats], Floats] | None = None
+
+    def at(self, triangles: Ints, points: Floats) -> tuple[Floats, Floats]:
+        """Strain and curvature as tensors (triangle, point, 3) at points of triangles."""
+        if self.of_section is None:
+            return evaluate(self.strain, points, 3), evaluate(self.curvature, points, 3)
+        both = self.of_section(triangles, points) * np.array([1.0, 1.0, 0.5, 1.0, 1.0, 0.5])
+        return both[..., :3], both[..., 3:]
+
+    def axes(self, triangles: Ints, first: Floats, section: Section) -> Floats:
+        """f of `components` in the frame of strain and curvature, from tangents (2, 3, triangle, point)."""
+        direction = None if self.of_section is None else section.direction_of(triangles)
+        return components(first, *tangent_frame(first, direction)[:2])
 
 
 def temperature(mean: Value, gradient: Value, expansion: float = 1.0) -> StressFree:
@@ -51,24 +69,26 @@ def temperature(mean: Value, gradient: Value, expansion: float = 1.0) -> StressF
     return StressFree(isotropic(mean), isotropic(gradient))
 
 
-def strain_of(state: StressFree, points: Floats, first: Floats) -> Floats:
+def strain_of(state: StressFree, triangles: Ints, points: Floats, first: Floats, section: Section) -> Floats:
     """Covariant E_11, E_22, E_12 at points (triangle, point, 3) with tangents (2, 3, triangle, point)."""
-    f = components(first, *tangent_frame(first)[:2])
-    return _covariant(f, evaluate(state.strain, points, 3))
+    return _covariant(state.axes(triangles, first, section), state.at(triangles, points)[0])
 
 
-def curvature_of(state: StressFree, points: Floats, first: Floats, second: Floats) -> Floats:
+def curvature_of(
+    state: StressFree, triangles: Ints, points: Floats, first: Floats, second: Floats, section: Section
+) -> Floats:
     """Covariant kappa of the state: kappa - (E B + B E) / 2, all in the frame."""
-    f = components(first, *tangent_frame(first)[:2])
+    f = state.axes(triangles, first, section)
+    strain, bent = state.at(triangles, points)
     normal = cross(first[0], first[1])
     normal = normal / norm(normal)
     form = np.stack([dot(normal, b) for b in second])  # B_11, B_22, B_12
     (a, b), (c, d) = f
     inverse = np.stack([np.stack([d, -c]), np.stack([-b, a])]) / (a * d - b * c)
     b11, b22, b12 = np.einsum("vwtq,wtq->vtq", contravariant_to_frame(inverse), form)
-    e11, e22, e12 = np.moveaxis(evaluate(state.strain, points, 3), -1, 0)
+    e11, e22, e12 = np.moveaxis(strain, -1, 0)
     product = [e11 * b11 + e12 * b12, e22 * b22 + e12 * b12, 0.5 * (e12 * (b11 + b22) + b12 * (e11 + e22))]
-    return _covariant(f, evaluate(state.curvature, points, 3) - np.stack(product, axis=-1))
+    return _covariant(f, bent - np.stack(product, axis=-1))
 
 
 def _covariant(f: Floats, tensor: Floats) -> Floats:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.problem import Follower
 from kshell.errors import InputError
-from kshell.material.section import Section
-from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.mesh.mesh import EDGE_VERTICES
 from kshell.mesh.orient import WALKED_FORWARD
 from kshell.mesh.words import place
 from kshell.scene.handlers import Handlers
@@ -31,10 +30,11 @@ from kshell.scene.loads import (
     Temperature,
     Traction,
 )
-from kshell.scene.structure import Placed
+from kshell.scene.structure import Placed, Structure
+from kshell.scene.thermal import free_strain
 from kshell.scene.weights import weights
 from kshell.shell.discretisation import Discretisation
-from kshell.shell.initial import StressFree, temperature
+from kshell.shell.initial import StressFree
 from kshell.shell.limits import USE_KOITER
 from kshell.shell.links import Link
 
@@ -60,6 +60,8 @@ class ShellLoads:
     strains : list of (int, (triangle, r) array)
         Strains without stress, each with the number of its load.
     warnings : list of str
+    warmth : list of (int, Placed)
+        Temperatures, each with the number of its load.
     """
 
     forces: list[Floats] = field(default_factory=list)
@@ -67,6 +69,7 @@ class ShellLoads:
     followers: dict[int, Follower] = field(default_factory=dict)
     strains: list[tuple[int, Floats]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    warmth: list[tuple[int, Placed[Load]]] = field(default_factory=list)
 
     @cached_property
     def initial(self) -> Floats | None:
@@ -82,6 +85,7 @@ class ShellLoads:
             {k: partial(_times, follow, factors[self.numbers[k]]) for k, follow in self.followers.items()},
             [(number, factors[number] * strain) for number, strain in self.strains],
             self.warnings,
+            [(k, replace(p, item=p.item.times(float(factors[k])))) for k, p in self.warmth],
         )
 
 
@@ -91,36 +95,24 @@ def _times(follow: Follower, factor: float, x: Floats) -> tuple[Floats, sp.csr_m
 
 
 def apply_loads(
-    loads: Iterable[Placed[Load]],
-    mesh: Mesh,
-    discretisation: Discretisation,
-    energy: Any,
-    section: Section,
-    links: Sequence[Link] = (),
-    masses: Sequence[Placed[Any]] = (),
+    structure: Structure, discretisation: Discretisation, energy: Any, links: Sequence[Link] = ()
 ) -> ShellLoads:
     """Translate the loads of a structure.
 
     Parameters
     ----------
-    mesh : Mesh
-        In space.
     energy : StrainEnergy
         Of the discretisation, for initial strains.
-    section : kshell.material.section.Section
-        For the weight.
     links : sequence of Link
         Whose points loads may act on.
-    masses : sequence of Placed
-        Added ones, which gravity acts on as well.
 
     Raises
     ------
     InputError
         For loads that do not fit, and those the discretisation does not have.
     """
-    builder = _Builder(mesh, discretisation, energy, section, links, masses)
-    for number, placed in enumerate(loads):
+    builder = _Builder(structure, discretisation, energy, links)
+    for number, placed in enumerate(structure.loads):
         builder.number, before = number, len(builder.out.forces)
         HANDLERS.handle(builder, placed, builder.out.warnings)
         builder.out.numbers += [number] * (len(builder.out.forces) - before)
@@ -129,16 +121,12 @@ def apply_loads(
 
 class _Builder:
     def __init__(
-        self,
-        mesh: Mesh,
-        discretisation: Discretisation,
-        energy: Any,
-        section: Section,
-        links: Sequence[Link],
-        masses: Sequence[Placed[Any]],
+        self, structure: Structure, discretisation: Discretisation, energy: Any, links: Sequence[Link]
     ) -> None:
-        self.links, self.masses = links, masses
-        self.mesh, self.discretisation, self.energy, self.section = mesh, discretisation, energy, section
+        self.links, self.masses = links, structure.masses
+        self.mesh, self.section = structure.space, structure.section
+        self.offset = np.broadcast_to(structure.offset, (len(self.mesh.triangles),))
+        self.discretisation, self.energy = discretisation, energy
         self.surface, self.kernel = discretisation.surface, discretisation.loads
         self.number = 0
         self.out = ShellLoads()
@@ -221,10 +209,11 @@ class _Builder:
 
     @HANDLERS.of(Temperature)
     def _temperature(self, load: Any, placed: Placed[Any]) -> None:
-        def gradient(points: Floats) -> Floats:
-            return -load.curvature_at(points)[..., 0]  # expansion times gradient
+        def free(triangles: Ints, points: Floats) -> Floats:
+            return free_strain(load, self.section, triangles, points, self.offset[triangles])
 
-        self._initial(placed, temperature(load.strain_at, gradient))
+        self._initial(placed, StressFree(of_section=free))
+        self.out.warmth.append((self.number, placed))
 
     @HANDLERS.of(InitialCurvature)
     def _initial_curvature(self, load: Any, placed: Placed[Any]) -> None:

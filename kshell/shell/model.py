@@ -18,7 +18,8 @@ from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
 from kshell.result.deferred import Deferred
 from kshell.result.result import Result
-from kshell.scene.structure import Structure
+from kshell.scene.loads import Load
+from kshell.scene.structure import Placed, Structure
 from kshell.shell import vibration
 from kshell.shell.answer import FRAME, answer_linear, answer_state, probes_of, small_fields, state_fields
 from kshell.shell.problem import ShellProblem
@@ -53,6 +54,9 @@ class ShellModel(FiniteModel):
 
     def warnings(self) -> list[str]:
         return self.problem.warnings()
+
+    def warmth(self) -> list[Placed[Load]]:
+        return [placed for _, placed in self.problem.loads.warmth]
 
     def stiffness(self) -> sp.csr_matrix:
         problem, stiffness = self.problem, self.problem.energy.linear_stiffness()

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,7 +20,9 @@ from kshell.mesh import quadratic
 from kshell.mesh.closest import Locator
 from kshell.mesh.words import place
 from kshell.scene.lines import shell_lines
+from kshell.scene.loads import Temperature
 from kshell.scene.structure import Structure
+from kshell.scene.thermal import left_stress
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.held import require_held
 from kshell.shell.links import SMALL_ONLY, with_links
@@ -66,15 +68,7 @@ class ShellProblem:
         self.discretisation = discretisation
         self.energy: Any = discretisation.energy(self._stiffness())
         self.supports: ShellSupports = apply_supports(structure.supports, self.space, discretisation)
-        self.loads: ShellLoads = apply_loads(
-            structure.loads,
-            self.space,
-            discretisation,
-            self.energy,
-            self.section,
-            self.supports.links,
-            structure.masses,
-        )
+        self.loads: ShellLoads = apply_loads(structure, discretisation, self.energy, self.supports.links)
         self.reduction: Reduction = with_links(self.supports.conditions.reduction(), self.supports.links)
         self.springs: sp.csr_matrix | None = self.supports.springs
         if not structure.movable:
@@ -116,14 +110,7 @@ class ShellProblem:
         out.__dict__.pop("load", None)
         out.structure = structure
         if structure.loads != self.structure.loads:
-            out.loads = apply_loads(
-                structure.loads,
-                self.space,
-                self.discretisation,
-                self.energy,
-                self.section,
-                masses=structure.masses,
-            )
+            out.loads = apply_loads(structure, self.discretisation, self.energy)
         given = self.reduction.given
         if structure.supports != self.structure.supports:
             supports = apply_supports(structure.supports, self.space, self.discretisation)
@@ -175,6 +162,20 @@ class ShellProblem:
             self.springs,
             initial=loads.initial,
         )
+
+    def left_stress(self, part: float) -> Callable[[int, NDArray[np.integer], Floats], Floats]:
+        """Stress that layers keep under a part of the temperatures: of a face, triangles, and points in space."""
+        offset = np.broadcast_to(self.structure.offset, (len(self.space.triangles),))
+
+        def of(face: int, triangles: NDArray[np.integer], points: Floats) -> Floats:
+            total = np.zeros((*points.shape[:2], 3))
+            for _, placed in self.loads.warmth:
+                here = np.isin(triangles, placed.members(self.space))
+                some, load = triangles[here], cast(Temperature, placed.item)
+                total[here] += part * left_stress(load, self.section, face, some, points[here], offset[some])
+            return total
+
+        return of
 
     @cached_property
     def jumps(self) -> NDArray[np.bool_]:

@@ -69,7 +69,9 @@ class Resultants(NamedTuple):
         n = self.section_force
         return np.stack([n[..., 0, 0], n[..., 1, 1], 0.5 * (n[..., 0, 1] + n[..., 1, 0])], axis=-1)
 
-    def stress(self, strained: Floats, curved: Floats, middle: ArrayLike) -> Floats:
+    def stress(
+        self, strained: Floats, curved: Floats, middle: ArrayLike, left: Floats | None = None
+    ) -> Floats:
         """Stress (..., 3) in the frame.
 
         Parameters
@@ -78,9 +80,13 @@ class Resultants(NamedTuple):
             Stress of a strain of the middle of the material, and of a change of curvature, in the material axes.
         middle : float or (triangle, 1)
             Height of the middle of the material above the meshed surface.
+        left : (..., 3), optional
+            Stress besides, in the material axes.
         """
         z = np.asarray(middle, dtype=float)[..., None]
         stress = strained @ (self.strain + z * self.curvature)[..., None] + curved @ self.curvature[..., None]
+        if left is not None:
+            stress = stress + left[..., None]
         return (self.to_frame @ stress)[..., 0]
 
 

@@ -32,6 +32,8 @@ from kshell.shell.vectors import cross, dot
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
+Left = Callable[[int, Ints, Floats], Floats]
+
 FACES = ("bottom", "middle", "top")
 DEGREE = 4  # of the polynomials through which moments inside a triangle are differentiated
 SYMMETRIC = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])  # places of xx yy zz yz xz xy in the full tensor
@@ -48,11 +50,14 @@ class Recovered:
     section : kshell.material.section.Section
     offset : (triangle,)
         Of the middle of the material above the mesh.
+    left : function, optional
+        Stress that layers keep without resultant (triangle, point, 3) at a face, of triangles, at points in space.
     """
 
     recovery: Any
     section: Section
     offset: Floats
+    left: Left | None = None
 
     def tensors(self, points: Floats, triangles: Ints) -> tuple[Resultants, dict[str, Floats]]:
         """Resultants, and N, M and stresses (triangle, point, 3) by name, at reference points."""
@@ -65,8 +70,9 @@ class Recovered:
         if self.section.has_stress:
             middle = self.offset[triangles][:, None]
             for face, side in zip(FACES, (BOTTOM, MIDDLE, TOP), strict=True):
+                left = None if self.left is None else self.left(side, triangles, found.position)
                 out[f"stress_{face}"] = found.stress(
-                    *self.section.stress(side, triangles, found.position), middle
+                    *self.section.stress(side, triangles, found.position), middle, left
                 )
         return found, out
 

@@ -103,8 +103,9 @@ def test_loads_that_are_functions_grow_too():
     at = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]])
     assert load.times(2.0).at(at) == pytest.approx(2 * load.at(at))
     warm = ks.Temperature(mean="1 + x", gradient=2.0, expansion=1e-5).times(-3.0)
-    assert warm.strain_at(at) == pytest.approx([-3e-5, -6e-5])
-    assert warm.curvature_at(at)[:, 0] == pytest.approx([6e-5, 6e-5])
+    assert warm.values("mean", at) == pytest.approx([-3.0, -6.0])
+    assert warm.values("gradient", at) == pytest.approx([-6.0, -6.0])
+    assert warm.expansion == 1e-5
 
 
 def test_one_factorisation_serves_all_cases(monkeypatch):

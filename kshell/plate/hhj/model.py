@@ -25,7 +25,8 @@ from kshell.plate.problem import PlateProblem
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
-from kshell.scene.structure import Structure
+from kshell.scene.loads import Load
+from kshell.scene.structure import Placed, Structure
 
 Floats = NDArray[np.float64]
 
@@ -99,6 +100,9 @@ class HHJModel(Model):
 
     def warnings(self) -> list[str]:
         return self.problem.warnings()
+
+    def warmth(self) -> list[Placed[Load]]:
+        return [placed for _, placed in self.loads.warmth]
 
     def stiffness(self) -> sp.csr_matrix:
         return self.system().matrix()

@@ -198,7 +198,7 @@ def _curvature(system: HHJSystem, out: Load, form: CurvatureLoad) -> None:
     triangles = system.triangles
     chosen = np.arange(len(triangles)) if form.triangles is None else form.triangles
     xi, w = triangle_rule(system.order - 1 + LOAD_DEGREE)
-    curvature = form.curvature(triangles.xy(xi, chosen))  # (n, point, 3)
+    curvature = form.curvature(chosen, triangles.xy(xi, chosen))  # (n, point, 3)
     factor = system.factor if system.factor.ndim == 2 else system.factor[chosen]
     means = (curvature * w[:, None]).swapaxes(1, 2) @ orthonormal(system.order - 1, xi)  # (n, 3, k)
     if out.initial is None:

@@ -19,6 +19,10 @@ def initial_strain(energy: ChartKoiter, state: StressFree, triangles: Ints | Non
     chart = energy.surface
     first, second = chart.first[:, :, chosen], chart.second[:, :, chosen]
     points = np.moveaxis(chart.positions[:, chosen], 0, 2)
-    both = [strain_of(state, points, first), curvature_of(state, points, first, second)]
+    section = energy.section
+    both = [
+        strain_of(state, chosen, points, first, section),
+        curvature_of(state, chosen, points, first, second, section),
+    ]
     result[chosen] = np.concatenate(both, axis=2).reshape(len(chosen), -1)
     return result

@@ -25,12 +25,13 @@ def initial_strain(energy: Koiter, state: StressFree, triangles: Ints | None = N
     nodes = surface.nodes[surface.triangle_nodes[chosen]]
     points = np.einsum("sn,tnx->tsx", lagrange(surface.order, ref.regge_points), nodes)
     first = surface.tangents(first_derivatives(surface.order, ref.regge_points), chosen)
-    strain = strain_of(state, points, first)
+    strain = strain_of(state, chosen, points, first, energy.section)
     result[chosen, : ref.strains] = np.einsum("rsv,tsv->tr", ref.regge_weights, strain)
 
     points = np.einsum("qn,tnx->tqx", ref.values, nodes)
     second = surface.jets(surface.nodes, ref.second, chosen)
-    curvature = curvature_of(state, points, surface.tangents(ref.first, chosen), second)
+    tangents = surface.tangents(ref.first, chosen)
+    curvature = curvature_of(state, chosen, points, tangents, second, energy.section)
     result[chosen, ref.strains :] = _measured(energy, curvature, chosen)
     return result
 
