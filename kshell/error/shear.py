@@ -42,6 +42,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 CUT = 0.35  # thicknesses from singular places
+THICKEST = (
+    0.25  # thickness over the root of the area that counts for that: what is cut out must leave something
+)
 DEGREE = 4  # of the quadrature of products of shear forces, which are quadratic in a triangle
 EDGE_POINTS = 4
 # thickness over size from which a homogeneous plate is thick: its shear energy there, square and supported
@@ -133,11 +136,12 @@ def _products(
     Farther than CUT thicknesses from the centres (n, 2), and in products with others from near (m, 2), too.
     """
     totals = [0.0 for _ in deflections]
+    most = THICKEST * float(np.sqrt(problem.mesh.areas.sum()))
     loads = [problem.loads, *(Loads() for _ in deflections[1:])]
     tractions = tractions_of(problem, np.stack(deflections, axis=1), loads)
     for patch in problem.domain.patches(DEGREE):
         at = points_3d(problem.domain, patch.xy)
-        thickness = problem.section.thickness(patch.triangles, at)
+        thickness = np.minimum(problem.section.thickness(patch.triangles, at), most)
         far = patch.weights * _far(patch.xy, centres, thickness)
         shear = tractions.at(patch.triangles, patch.xi)[1]
         compliance = np.linalg.inv(problem.section.shear(patch.triangles, at))
@@ -151,7 +155,7 @@ def _products(
         return totals
     line = problem.domain.edge_patch(edges, EDGE_POINTS)
     at = points_3d(problem.domain, line.xy)
-    thickness = problem.section.thickness(line.triangles, at)
+    thickness = np.minimum(problem.section.thickness(line.triangles, at), most)
     n = line.normal
     t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
     nx, ny, tx, ty = n[..., 0], n[..., 1], t[..., 0], t[..., 1]

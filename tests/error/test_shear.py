@@ -91,6 +91,13 @@ def test_thick_plates_are_warned_of_and_answered():
     assert not any("too thick" in reason for reason in asked.model["reasons"])
 
 
+def test_the_share_of_shear_grows_with_the_thickness_without_end():
+    """Twice as thick as wide: by Wang's relation shear adds 0.0736713 t^2 / 3.5 to 4.0624e-3, all over 20 times."""
+    (words,) = [w for w in ks.solve(square(ks.SimplySupported, 2.0)).warnings if "too thick" in w]
+    share = float(words.split("about ")[1].split("%")[0]) / 100
+    assert share == pytest.approx(0.0736713 * 4 / 3.5 / 4.0624e-3, rel=0.25)
+
+
 def test_without_shear_stiffness_the_entry_is_null_with_a_reason():
     t = 0.02
     D = 2e11 * t**3 / 12 / 0.91 * np.array([[1, 0.3, 0], [0.3, 1, 0], [0, 0, 0.35]])
