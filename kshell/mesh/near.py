@@ -12,6 +12,7 @@ Ints = NDArray[np.int64]
 
 CLASS = 2.0  # ratio of the largest and the smallest ball that are looked for together
 FINEST = 1e-6  # of the size of everything: smaller cells would need more digits than an integer has
+FEW = 4_096  # pairs that are all looked at
 HELD = 2_000_000  # pairs held at once
 
 
@@ -31,6 +32,10 @@ def in_balls(points: Floats, centres: Floats, reach: Floats) -> tuple[Ints, Ints
     none = np.zeros(0, dtype=np.int64)
     if not len(points) or not len(centres):
         return none, none
+    if len(points) * len(centres) <= FEW:
+        off = points - centres[:, None]
+        ball, point = np.nonzero(np.einsum("bpx,bpx->bp", off, off) <= (reach**2)[:, None])
+        return ball, point
     found = [(none, none)]
     least = FINEST * float(np.ptp(points, axis=0).max())
     size = np.maximum(reach, least)

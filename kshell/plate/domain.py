@@ -114,6 +114,7 @@ class Domain:
         if len(self.bent):
             self.curved_triangles = np.union1d(self.curved_triangles, self.sides(self.bent)[1])
         self._latest: list[tuple[Ints, AffineTriangles]] = []
+        self._curved_patches: dict[tuple[int, bytes], Patch] = {}
         self.is_curved = np.zeros(len(mesh.triangles), dtype=bool)
         self.is_curved[self.curved_triangles] = True
 
@@ -173,7 +174,15 @@ class Domain:
         return Patch(block, xi, xy, np.abs(affine.determinant)[:, None] * w)
 
     def curved_patch(self, block: Ints, degree: int) -> Patch:
-        """Quadrature over the true region of triangles with curved edges."""
+        """Quadrature over the true region of triangles with curved edges; where these are few it is made once."""
+        if len(self.curved_triangles) > BLOCK:
+            return self._make_curved_patch(block, degree)
+        key = degree, block.tobytes()
+        if key not in self._curved_patches:
+            self._curved_patches[key] = self._make_curved_patch(block, degree)
+        return self._curved_patches[key]
+
+    def _make_curved_patch(self, block: Ints, degree: int) -> Patch:
         xi, w = triangle_rule(degree + 8)  # the Jacobian of the curved map is of degree 8
         affine = self.affine(block)
         shift, gradient = self._bulge(block, xi)
@@ -202,6 +211,8 @@ class Domain:
             ends = self.mesh.triangles[block[here]][:, [v, w]]
             for a, b, part in ((v, w, ends[:, 0] < ends[:, 1]), (w, v, ends[:, 0] > ends[:, 1])):
                 chosen = here[part]
+                if not len(chosen):
+                    continue
                 s = (1 + barycentric[:, b] - barycentric[:, a]) / 2
                 shape = curves.shape[place[chosen]]
                 phi = np.einsum("qk,nkx->nqx", powers(s, 3), shape)

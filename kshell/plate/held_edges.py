@@ -90,7 +90,9 @@ class EdgeHolder:
                 self.conditions.slopes.append(direction)
         if self.rich:
             g = self._along(value, edges)
-            s = self._outward(edges)[:, None, None] * self._along(slope, edges)
+            s = self._along(slope, edges)
+            if slope is not None:
+                s *= self._outward(edges)[:, None, None]
             for end in range(2):
                 t = curves.tangent[place_in, end]
                 k = curves.curvature[place_in, end]

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ POINTS = 8
 # penalties, in units of D / h^3 and D / h; 1e3 leaves a disk with 16 edges indefinite, 1e6 costs digits
 VALUE_PENALTY = 1e4
 SLOPE_PENALTY = 1e3
+KEPT = 1024  # edges whose rows are kept
 STEP = 1e-5  # of a triangle's size, for the change of a varying stiffness
 
 # third derivatives xxx, xxy, xyy, yyy to the derivatives of (w_xx, w_yy, 2 w_xy) along x and along y
@@ -118,7 +120,25 @@ class CurvedHold(Form):
         d = np.abs(self.bending.at(triangles, self.patch.xy[positions])).max(axis=(1, 2, 3))
         return (d / h**3)[:, None, None], (d / h)[:, None, None]
 
+    @cached_property
+    def _on_reference(self) -> Rows:
+        """Rows of all edges on the reference degrees of freedom, where edges are so few that they are kept."""
+        count = self.element.count
+        every = np.arange(len(self.edges))
+        return self._make_rows(every, np.broadcast_to(np.eye(count), (len(every), count, count)))
+
     def _rows(self, positions: Ints, transform: Floats) -> Rows:
+        if len(self.edges) > KEPT:
+            return self._make_rows(positions, transform)
+        known = self._on_reference
+        return Rows(
+            known.value[positions] @ transform,
+            known.slope[positions] @ transform,
+            known.moment[positions] @ transform,
+            known.force[positions] @ transform,
+        )
+
+    def _make_rows(self, positions: Ints, transform: Floats) -> Rows:
         patch = self.patch
         triangles, xi, xy = patch.triangles[positions], patch.xi[positions], patch.xy[positions]
         affine = self.domain.affine(triangles)

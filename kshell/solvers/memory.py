@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import Any
 
@@ -41,16 +42,27 @@ def available_bytes() -> float:
 
 
 def _left_by_others() -> float:
-    """What the machine has left: on Linux the line "MemAvailable:   12345 kB"."""
-    table = Path("/proc/meminfo")
-    if table.is_file():
-        for line in table.read_text(encoding="utf-8").splitlines():
-            name, _, value = line.partition(":")
-            if name == "MemAvailable":
-                return 1024.0 * float(value.split()[0])
+    """What the machine has left."""
+    left = _from_table("/proc/meminfo", b"MemAvailable")
+    if left is not None:
+        return left
     import psutil
 
     return float(psutil.virtual_memory().available)
+
+
+def _from_table(path: str, key: bytes) -> float | None:
+    """Bytes of a line "key:   12345 kB" of Linux; None elsewhere. It is read at every stage of a solve, so quickly."""
+    try:
+        table = os.open(path, os.O_RDONLY)
+    except OSError:
+        return None
+    try:
+        text = os.read(table, 65536)
+    finally:
+        os.close(table)
+    _, _, line = text.partition(b"\n" + key + b":")
+    return 1024.0 * float(line.split(None, 1)[0]) if line else None
 
 
 def _control_group(folder: Path) -> float:
@@ -64,12 +76,9 @@ def _control_group(folder: Path) -> float:
 
 def peak_bytes() -> float:
     """Largest memory of this process so far; where the system does not keep it (macOS) what is used now."""
-    status = Path("/proc/self/status")  # Linux: the line "VmHWM:   12345 kB", the high water mark
-    if status.is_file():
-        for line in status.read_text(encoding="utf-8").splitlines():
-            name, _, value = line.partition(":")
-            if name == "VmHWM":
-                return 1024.0 * float(value.split()[0])
+    most = _from_table("/proc/self/status", b"VmHWM")  # the high water mark of Linux
+    if most is not None:
+        return most
     import psutil
 
     used = psutil.Process().memory_info()
