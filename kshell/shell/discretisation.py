@@ -43,8 +43,8 @@ class Conditions(ABC):
         """
 
     @abstractmethod
-    def symmetry(self, edges: Ints) -> None:
-        """A plane of symmetry through edges."""
+    def symmetry(self, edges: Ints, normal: Floats | None = None) -> Floats:
+        """A plane of symmetry through edges; its normal (3,), which is found where none is given."""
 
     @abstractmethod
     def reduction(self) -> Reduction:

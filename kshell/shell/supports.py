@@ -158,12 +158,12 @@ class _Builder:
         chosen, what = self._where(support, placed)
         pieces = _planar_pieces(self.mesh, chosen)
         own = self.discretisation.conditions()
-        for conditions in (self.out.conditions, own):
-            for edges in pieces:
-                try:
-                    conditions.symmetry(edges)
-                except InputError as error:
-                    raise InputError(f"{what}: {error}") from None
+        for edges in pieces:
+            try:
+                normal = self.out.conditions.symmetry(edges)
+                own.symmetry(edges, normal)
+            except InputError as error:
+                raise InputError(f"{what}: {error}") from None
         self.out.groups.append(HeldGroup(chosen.label, conditions=own))
 
     @HANDLERS.of(Clamped, SimplySupported, Fixed)

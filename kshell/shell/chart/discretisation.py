@@ -269,9 +269,9 @@ class ArgyrisConditions(Conditions):
                 f"surface may turn: hold its translations, too, hold the rotation on curves, or {USE_KOITER}"
             )
 
-    def symmetry(self, edges: Ints) -> None:
-        """A plane of symmetry through edges."""
-        self.kernel.symmetry(edges)
+    def symmetry(self, edges: Ints, normal: Floats | None = None) -> Floats:
+        """A plane of symmetry through edges; its normal (3,), which is found where none is given."""
+        return self.kernel.symmetry(edges, normal)
 
     def reduction(self) -> Reduction:
         """The motions left."""

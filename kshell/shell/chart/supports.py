@@ -160,7 +160,7 @@ class ChartSupports:
         """No translation, free rotation."""
         self.translation(edges, "xyz", value)
 
-    def symmetry(self, edges: ArrayLike, normal: ArrayLike | None = None) -> None:
+    def symmetry(self, edges: ArrayLike, normal: ArrayLike | None = None) -> Floats:
         """The edges lie in a plane of symmetry. See `Supports.symmetry`.
 
         The derivative of u across the plane has no part along it, which is exact at any deflection.
@@ -168,6 +168,7 @@ class ChartSupports:
         axis = self._plane(edges, "a symmetry plane", normal, lambda: main_conormal(self.surface, edges))
         self.along(edges, axis)
         self.rotation(edges, within(axis))
+        return axis
 
     def diaphragm(self, edges: ArrayLike, normal: ArrayLike | None = None) -> None:
         """A wall in the plane of the edges, rigid in its plane and soft across it."""

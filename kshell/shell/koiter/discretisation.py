@@ -262,9 +262,9 @@ class KoiterConditions(Conditions):
         given[unknowns] = sign * value(points)
         self.kernel.rotation(edges, given[self.surface.rotations_of_edges(edges)])
 
-    def symmetry(self, edges: Ints) -> None:
-        """A plane of symmetry through edges."""
-        self.kernel.symmetry(edges)
+    def symmetry(self, edges: Ints, normal: Floats | None = None) -> Floats:
+        """A plane of symmetry through edges; its normal (3,), which is found where none is given."""
+        return self.kernel.symmetry(edges, normal)
 
     def reduction(self) -> Reduction:
         """The motions left."""

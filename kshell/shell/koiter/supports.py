@@ -82,7 +82,7 @@ class Supports:
         """No translation, free rotation."""
         self.translation(self.surface.nodes_of_edges(edges), "xyz", value)
 
-    def symmetry(self, edges: ArrayLike, normal: ArrayLike | None = None) -> None:
+    def symmetry(self, edges: ArrayLike, normal: ArrayLike | None = None) -> Floats:
         """The edges lie in a plane of symmetry: no translation across it, no rotation about the edges.
 
         Parameters
@@ -90,6 +90,10 @@ class Supports:
         normal : (3,), optional
             Normal of the plane. Absent: that of the plane of a curve, and at a straight line the direction in which the
             surface leaves it.
+
+        Returns
+        -------
+        (3,) unit normal of the plane.
 
         Raises
         ------
@@ -109,6 +113,7 @@ class Supports:
             )
         self.along(self.surface.nodes_of_edges(edges), axis)
         self.rotation(edges)
+        return axis
 
     def diaphragm(self, edges: ArrayLike, normal: ArrayLike | None = None) -> None:
         """A wall in the plane of the edges, rigid in its plane and soft across it; rotation free.
