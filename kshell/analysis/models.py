@@ -102,6 +102,10 @@ def model_of_team(team: Team, structure: Structure, choice: ModelChoice) -> Mode
         from kshell.distributed.linear import PartedKoiterModel
 
         return PartedKoiterModel(team, structure, choice.order, choice.reasons)
+    if choice.kind == "plate" and choice.element != "hhj":
+        from kshell.distributed.plate import PartedPlateModel
+
+        return PartedPlateModel(team, structure, choice.element, choice.reasons)
     raise refuse_model(choice.kind, choice.element)
 
 

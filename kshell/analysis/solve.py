@@ -260,12 +260,13 @@ def _of_team(result: Result, team: Team | None) -> None:
     """Let a result of several processes know what they are, and leave nothing in it that needs all of them."""
     if team is None:
         return
-    from kshell.distributed.factor import NAME
     from kshell.distributed.saving import save_pieces
 
     result.writer = partial(save_pieces, team)
     memory = team.largest(result.solver.get("peak_memory_mb", 0.0))
-    result.solver |= {"name": NAME, "processes": team.size, "peak_memory_mb": memory}
+    result.solver |= {"processes": team.size, "peak_memory_mb": memory}
+    if result.solver.get("name") == "direct":
+        result.solver["name"] = "PETSc (MUMPS)"
     result.series = [(factor, partial(_known, make())) for factor, make in result.series]
 
 

@@ -10,6 +10,7 @@ team.py         the processes: joining what they have, agreeing on errors before
 partition.py    which triangles are whose
 matrix.py       sums of what the processes have of a matrix, as matrices of PETSc
 factor.py       factors by MUMPS
+prepared.py     matrices of plates, ready for loads; multigrid.py the same by multigrid
 koiter.py, linear.py, plate.py    models
 refuse.py       what is not for several processes
 saving.py       files: result.json once, result.pvtu in pieces

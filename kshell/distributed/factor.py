@@ -132,7 +132,7 @@ class PetscFactoriser:
             for k, column in enumerate(columns.T):
                 rhs.setArray(column[numbering.own])
                 solver.solve(rhs, x)
-                out[:, k] = team.join(numbering.members, x.getArray)
+                out[:, k] = team.join(numbering.members, (), x.getArray)
             return out.reshape(np.shape(load))
 
         return solve

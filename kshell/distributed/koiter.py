@@ -78,7 +78,7 @@ class PartedKoiter(Koiter):
         return replace(memory, angle=memory.angle[self.own])
 
     def _joined(self, work: Callable[[], Floats]) -> Floats:
-        return self.team.join(self.members, work)
+        return self.team.join(self.members, (self.strains,), work)
 
     @cached_property
     def sparsity(self) -> Sparsity:
@@ -96,7 +96,7 @@ class PartedKoiter(Koiter):
         return self._joined(lambda: self.part.linear_strain(x))
 
     def linear_forces(self, stress: Floats) -> Floats:
-        return np.asarray(self.team.sum(lambda: self.part.linear_forces(stress[self.own])))
+        return self.team.sum((self.unknowns,), lambda: self.part.linear_forces(stress[self.own]))
 
     def linear_stiffness(self) -> Any:
         """The stiffness at rest, `Scattered`."""
@@ -121,8 +121,11 @@ class PartedKoiter(Koiter):
         """As that of the whole; the Hessian is `Scattered`, the linear strains are those of the part."""
         own = self.own
         mine = None if memory is None else self._mine(memory)
-        found = self.team.together(
-            lambda: self.part.energy(
+        found: Energy | None = None
+
+        def values() -> Floats:
+            nonlocal found
+            found = self.part.energy(
                 x,
                 derivatives,
                 mine,
@@ -130,19 +133,21 @@ class PartedKoiter(Koiter):
                 None if initial is None else initial[own],
                 projected,
             )
-        )
-        value = self.team.sum(lambda: found.value)
+            return np.append([] if found.gradient is None else found.gradient, found.value)
+
+        total = self.team.sum((1 + self.unknowns * (derivatives > 0),), values)
+        assert found is not None
+        value = float(total[-1])
         if derivatives == 0:
             return Energy(value)
-        gradient = self.team.sum(lambda: found.gradient)
         hessian = None if found.hessian is None else Scattered(self.team, found.hessian, self.owner)
-        return Energy(value, gradient, hessian, found.linear)
+        return Energy(value, total[:-1], hessian, found.linear)
 
     def extrapolated_stress(self, linear: Linear, step: Floats) -> Floats:
         return self._joined(lambda: self.part.extrapolated_stress(linear, step))
 
     def forces(self, linear: Linear, stress: Floats) -> Floats:
-        return np.asarray(self.team.sum(lambda: self.part.forces(linear, stress[self.own])))
+        return self.team.sum((self.unknowns,), lambda: self.part.forces(linear, stress[self.own]))
 
 
 def part_of(surface: Surface, triangles: Ints) -> Surface:

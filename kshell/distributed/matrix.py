@@ -41,11 +41,11 @@ class Scattered:
 
     def __matmul__(self, x: Floats) -> Floats:
         """The product with vectors (unknowns,) or (unknowns, k), on all processes."""
-        return np.asarray(self.team.sum(lambda: self.local @ x))
+        return self.team.sum(np.shape(x), lambda: self.local @ x)
 
     def diagonal(self) -> Floats:
         """(unknowns,), on all processes."""
-        return np.asarray(self.team.sum(self.local.diagonal))
+        return self.team.sum(self.shape[:1], self.local.diagonal)
 
     def plus(self, other: sp.spmatrix, factor: float = 1.0) -> Scattered:
         """The sum with a multiple of a matrix that all processes know: each adds its rows."""
@@ -118,8 +118,7 @@ class Reduced:
         from petsc4py import PETSc
 
         numbering, team = self.numbering, self.numbering.team
-        fits = self._pattern is not None and self._pattern.fits(matrix.local)
-        same = not team.largest(0.0 if fits else 1.0)
+        same = not team.number(lambda: self._pattern is None or not self._pattern.fits(matrix.local))
         if not same:
             pattern = team.together(
                 lambda: ReducedPattern(matrix.local, self.basis, numbering.place, lower=False)

@@ -8,10 +8,11 @@ all, the same everywhere.
 from __future__ import annotations
 
 import importlib.util
+import math
 import pickle
 from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,64 +51,107 @@ class Team:
         error : exception or None
             What went wrong on this one.
         """
-        mine = np.array([0 if error is None else 1])
-        failed = np.empty_like(mine)
-        self.communicator.Allreduce(mine, failed)
-        if not failed[0]:
-            return
+        self.sum((), lambda: np.zeros(()), error)
+
+    def together(self, work: Callable[[], T]) -> T:
+        """What a function gives on this process, once it has ended well on all of them."""
+        value, error = _tried(work)
+        self.agree(error)
+        return cast(T, value)
+
+    def once(self, work: Callable[[], T]) -> T:
+        """What a function gives that the first process alone runs, on all: files are read so."""
+        value = self.together(work if self.rank == 0 else _nothing)
+        return cast(T, self.communicator.bcast(value))
+
+    def sum(
+        self, shape: tuple[int, ...], work: Callable[[], Floats], error: BaseException | None = None
+    ) -> Floats:
+        """Sum of the arrays of all processes; the same to the last digit on all.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Of the arrays.
+        work : function
+            Gives that of this process.
+        error : exception, optional
+            What went wrong on this process before; nothing is worked then.
+        """
+        value: Any = None
+        if error is None:
+            value, error = _tried(work)
+        # one message: the numbers, and behind them whether this process has them
+        mine = np.zeros(math.prod(shape) + 1)
+        if error is None:
+            mine[:-1] = np.ravel(value)
+        else:
+            mine[-1] = 1.0
+        total = np.empty_like(mine)
+        self.communicator.Allreduce(mine, total)
+        if total[-1]:
+            self._raise_first(error)
+        return total[:-1].reshape(shape)
+
+    def number(self, work: Callable[[], float]) -> float:
+        """Sum of the numbers of all processes."""
+        return float(self.sum((), lambda: np.array(work())))
+
+    def largest(self, value: float) -> float:
+        """The largest of the numbers of all processes, at least 0."""
+
+        def mine() -> Floats:
+            found = np.zeros(self.size)
+            found[self.rank] = value
+            return found
+
+        return float(self.sum((self.size,), mine).max())
+
+    def join(self, members: Sequence[Ints], row: tuple[int, ...], work: Callable[[], Floats]) -> Floats:
+        """(n, *row) rows put together from those that each process has.
+
+        Parameters
+        ----------
+        members : sequence of int arrays
+            Of each process the numbers of its rows; together they are all.
+        row : tuple of int
+            Shape of a row.
+        work : function
+            Gives the rows of this process, in that order.
+        """
+        value, error = _tried(work)
+        width = math.prod(row)
+        counts = [len(rows) * width + 1 for rows in members]  # behind the rows whether they are there
+        mine = np.zeros(counts[self.rank])
+        if error is None:
+            mine[:-1] = np.ravel(value)
+        else:
+            mine[-1] = 1.0
+        flat = np.empty(sum(counts))
+        self.communicator.Allgatherv(mine, (flat, counts))
+        ends = np.cumsum(counts)
+        if flat[ends - 1].any():
+            self._raise_first(error)
+        out = np.empty((sum(len(rows) for rows in members), *row))
+        out[np.concatenate(members)] = np.delete(flat, ends - 1).reshape(-1, *row)
+        return out
+
+    def _raise_first(self, error: BaseException | None) -> NoReturn:
         every = self.communicator.allgather(None if error is None else _sendable(error))
         first = next(rank for rank, found in enumerate(every) if found is not None)
         raise error if error is not None and first == self.rank else every[first]
 
-    def together(self, work: Callable[[], T]) -> T:
-        """What a function gives on this process, once it has ended well on all of them."""
-        error: BaseException | None = None
-        value: Any = None
-        try:
-            value = work()
-        except (Exception, KeyboardInterrupt) as caught:
-            error = caught
-        self.agree(error)
-        found: T = value
-        return found
 
-    def once(self, work: Callable[[], T]) -> T:
-        """What a function gives that the first process alone runs, on all: files are read so."""
-        value = self.together(work if self.rank == 0 else lambda: None)
-        found: T = self.communicator.bcast(value)
-        return found
+def _tried(work: Callable[[], Any]) -> tuple[Any, BaseException | None]:
+    """What a function gives, or its error."""
+    try:
+        return work(), None
+    except (Exception, KeyboardInterrupt) as error:
+        return None, error
 
-    def sum(self, work: Callable[[], Any]) -> Any:
-        """Sum of the arrays, or numbers, of all processes; the same to the last digit on all."""
-        value = self.together(work)
-        mine = np.ascontiguousarray(value, dtype=float)
-        total = np.empty_like(mine)
-        self.communicator.Reduce(mine, total)
-        self.communicator.Bcast(total)
-        return total if np.ndim(value) else float(total[0])
 
-    def join(self, members: Sequence[Ints], work: Callable[[], Floats]) -> Floats:
-        """(n, ...) rows put together from those that each process has.
-
-        Parameters
-        ----------
-        members : list of int arrays
-            Of each process the numbers of its rows; together they are all.
-        work : function
-            Gives the rows of this process, in that order.
-        """
-        mine = np.ascontiguousarray(self.together(work), dtype=float)
-        width = int(np.prod(mine.shape[1:], dtype=np.int64))
-        counts = [len(rows) * width for rows in members]
-        flat = np.empty(sum(counts))
-        self.communicator.Allgatherv(mine, (flat, counts))
-        out = np.empty((sum(len(rows) for rows in members), *mine.shape[1:]))
-        out[np.concatenate(members)] = flat.reshape(-1, *mine.shape[1:])
-        return out
-
-    def largest(self, value: float) -> float:
-        """The largest of the numbers of all processes."""
-        return float(max(self.communicator.allgather(value)))
+def _nothing() -> Any:
+    return None
 
 
 def _sendable(error: BaseException) -> BaseException:

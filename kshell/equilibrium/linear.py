@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 MOST_REFINEMENTS = 12
 # relative energy of the last correction; the error of the solution is about its square root smaller
-FINISHED = 1e-20
+FINISHED = 1e-22
 HOPELESS = 1e-4
 # energy of a motion formed from strains, against that of its unknowns one by one, that is rounding squared
 MECHANISM = 1e-25

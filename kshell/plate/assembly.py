@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.plate.domain import BLOCK, Domain
@@ -27,6 +28,8 @@ from kshell.plate.reduction import Reduction
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+AT_ONCE = 4_000_000  # entries of element matrices that wait to be added up
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +86,46 @@ def assemble(
     return Assembled(pattern.matrix(data[:-1]), load, load_work, fixed_load, fixed_energy)
 
 
+def assemble_part(
+    forms: Sequence[Form], domain: Domain, reduction: Reduction, wanted: NDArray[np.bool_]
+) -> Assembled:
+    """What some triangles contribute to the sum of forms; no loads.
+
+    Parameters
+    ----------
+    wanted : (triangle,) bool array
+
+    Returns
+    -------
+    Assembled
+        Its matrix is of the size of the whole; entries that others share are incomplete.
+    """
+    shape = (reduction.count, reduction.count)
+    matrix, waiting = sp.csr_matrix(shape), 0
+    parts: list[tuple[Any, Any, Floats]] = []
+    fixed_load, fixed_energy = np.zeros(reduction.count), 0.0
+
+    def added() -> sp.csr_matrix:
+        row, column, data = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return matrix + sp.csr_matrix((data, (row, column)), shape=shape)
+
+    for batch in _batches(forms, domain, reduction, wanted):
+        blocks = batch.part.matrices(batch.positions, batch.reduced)
+        unknown, local = batch.unknown, batch.unknown.shape[1]
+        row, column = np.repeat(unknown, local, axis=1).ravel(), np.tile(unknown, (1, local)).ravel()
+        free = np.flatnonzero((row >= 0) & (column >= 0))
+        parts.append((row[free], column[free], blocks.ravel()[free]))
+        waiting += len(free)
+        if waiting > AT_ONCE:
+            matrix, waiting, parts = added(), 0, []
+        if batch.moved is not None:
+            both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
+            add_to(fixed_load, batch.unknown, -both[:, :-1, -1])
+            fixed_energy += float(both[:, -1, -1].sum())
+    matrix = added() if parts else matrix
+    return Assembled(matrix, np.zeros(reduction.count), 0.0, fixed_load, fixed_energy)
+
+
 def assemble_load(loads: Sequence[LinearForm], domain: Domain, reduction: Reduction) -> tuple[Floats, float]:
     """Sum of loads on the unknowns, and their work on the prescribed motion."""
     out, work = np.zeros(reduction.count), 0.0
@@ -111,8 +154,13 @@ class _Batch:
     moved: Floats | None
 
 
-def _batches(parts: Sequence[Any], domain: Domain, reduction: Reduction) -> Iterator[_Batch]:
-    """All batches; parts that cover the whole plate share the transforms of each block of triangles."""
+def _batches(
+    parts: Sequence[Any], domain: Domain, reduction: Reduction, wanted: NDArray[np.bool_] | None = None
+) -> Iterator[_Batch]:
+    """All batches; parts that cover the whole plate share the transforms of each block of triangles.
+
+    Of wanted triangles alone, where they are given.
+    """
     whole = [part for part in parts if part.everywhere]
     layout, g = reduction.layout, reduction.particular
     any_moved = bool(np.any(g))
@@ -127,11 +175,15 @@ def _batches(parts: Sequence[Any], domain: Domain, reduction: Reduction) -> Iter
 
     if whole:
         for block in domain.blocks():
-            yield from batches(whole, block, block)
+            mine = block if wanted is None else block[wanted[block]]
+            if len(mine):
+                yield from batches(whole, mine, mine)
     for part in parts:
         if not part.everywhere:
             for positions, triangles in _chunks(part):
-                yield from batches([part], positions, triangles)
+                keep = slice(None) if wanted is None else wanted[triangles]
+                if len(triangles[keep]):
+                    yield from batches([part], positions[keep], triangles[keep])
 
 
 def residual(

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.elements import PlateElement
 from kshell.equilibrium.model import NO_DENSITY, Model, Solved
 from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
@@ -57,12 +58,15 @@ class PlateModel(Model):
 
     def __init__(self, structure: Structure, element: str, reasons: Sequence[str] = ()) -> None:
         self.structure = structure
-        self.problem = PlateProblem(structure, ELEMENTS[element]())
+        self.problem = self._posed(structure, ELEMENTS[element]())
         self.element, self.order = element, self.problem.element.maxdeg
         self.reasons = list(reasons)
         self._prepared: dict[str, Prepared] = {}  # by solver, for further loads and duals
         # by probe: dual solution (dof,) and its estimate by triangle; the same under all loads
         self.duals: dict[str, tuple[Floats, Floats]] = {}
+
+    def _posed(self, structure: Structure, element: PlateElement) -> PlateProblem:
+        return PlateProblem(structure, element)
 
     @property
     def unknowns(self) -> int:
@@ -145,11 +149,14 @@ class PlateModel(Model):
                 return found
         # rounding of the matrix costs quintics digits on fine meshes: residuals through strains keep them
         fine = quintic and (slender or self.unknowns > ROUNDED_FROM)
-        product = strain_product(problem) if fine else None
+        product: Any = self.product() if fine else None
         prepared = self._prepared.get(solver)
         if prepared is None:
-            prepared = self._prepared[solver] = prepare(problem.assembled.matrix, problem.space, solver)
+            prepared = self._prepared[solver] = self._prepare(solver)
         return prepared.solve(rhs, product=product)
+
+    def _prepare(self, solver: str) -> Prepared:
+        return prepare(self.problem.assembled.matrix, self.problem.space, solver)
 
     def respond(self, load: Floats) -> Floats:
         for prepared in self._prepared.values():

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.plate.assembly import assemble
+from kshell.plate.assembly import assemble, assemble_part
 from kshell.plate.pattern import Pattern
 from kshell.plate.planes import less_planes
 from kshell.plate.problem import PlateProblem
@@ -28,17 +28,28 @@ def strain_product(problem: PlateProblem) -> Callable[[Floats], Floats]:
 
     One product takes about as long as the assembly.
     """
+    return part_product(problem, None)
+
+
+def part_product(problem: PlateProblem, wanted: NDArray[np.bool_] | None) -> Callable[[Floats], Floats]:
+    """What wanted triangles (triangle,) contribute to that, all if None."""
     layout, domain = problem.layout, problem.domain
     reduction = problem.space.reduction.tocsr()
     springs = [form for form in problem.forms if form is not problem.bending]
     elastic = None
     if springs:
-        elastic = assemble(springs, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
+        if wanted is None:
+            elastic = assemble(springs, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
+        else:
+            elastic = assemble_part(springs, domain, problem.reduction, wanted).matrix
+    blocks = [block if wanted is None else block[wanted[block]] for block in domain.blocks()]
 
     def product(q: Floats) -> Floats:
         d = reduction @ q
         out = np.zeros(layout.count)
-        for block in domain.blocks():
+        for block in blocks:
+            if not len(block):
+                continue
             dofs = layout.triangle_dofs(block)
             local = less_planes(domain, layout, block, d)
             transform = layout.element.transformation(domain.affine(block))

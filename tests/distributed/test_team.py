@@ -33,16 +33,8 @@ class Threads:
     def bcast(self, value: Any) -> Any:
         return self.allgather(value)[0]
 
-    def Bcast(self, array: np.ndarray) -> None:
-        array[...] = self.allgather(array.copy())[0]
-
     def Allreduce(self, mine: np.ndarray, out: np.ndarray) -> None:
         out[...] = np.sum(self.allgather(mine), axis=0)
-
-    def Reduce(self, mine: np.ndarray, out: np.ndarray) -> None:
-        every = self.allgather(mine)
-        if self.rank == 0:
-            out[...] = np.sum(every, axis=0)
 
     def Allgatherv(self, mine: np.ndarray, out: tuple[np.ndarray, list[int]]) -> None:
         out[0][...] = np.concatenate([part.ravel() for part in self.allgather(mine)])
@@ -75,8 +67,12 @@ def test_sums_and_joined_rows_are_the_same_on_all() -> None:
     whole = np.arange(10.0).reshape(5, 2)
 
     def work(team: Team) -> tuple[Any, ...]:
-        joined = team.join(members, lambda: whole[members[team.rank]])
-        return joined, team.sum(lambda: team.rank + 0.5), team.sum(lambda: np.array([1.0, team.rank]))
+        joined = team.join(members, (2,), lambda: whole[members[team.rank]])
+        return (
+            joined,
+            team.number(lambda: team.rank + 0.5),
+            team.sum((2,), lambda: np.array([1.0, team.rank])),
+        )
 
     for joined, number, array in played(3, work):
         np.testing.assert_array_equal(joined, whole)
@@ -85,14 +81,19 @@ def test_sums_and_joined_rows_are_the_same_on_all() -> None:
 
 
 @pytest.mark.parametrize("failing", [0, 2])
-def test_the_error_of_one_is_raised_by_all(failing: int) -> None:
+@pytest.mark.parametrize("how", ["sum", "join", "together", "number"])
+def test_the_error_of_one_is_raised_by_all(failing: int, how: str) -> None:
     def work(team: Team) -> Any:
         def own() -> np.ndarray:
             if team.rank == failing:
                 raise ks.SolveError("no memory here", state=threading.Lock())
-            return np.zeros(2)
+            return np.zeros(1)
 
-        return team.sum(own)
+        if how == "sum":
+            return team.sum((1,), own)
+        if how == "join":
+            return team.join([np.array([k]) for k in range(3)], (), own)
+        return team.together(own) if how == "together" else team.number(lambda: own()[0])
 
     for error in played(3, work):
         assert isinstance(error, ks.SolveError)

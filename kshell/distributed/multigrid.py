@@ -1,0 +1,140 @@
+"""The multigrid of plates on a team: kshell's interpolations in PETSc's PCMG.
+
+Interpolations are found by all processes, each keeps the rows of its own unknowns; the coarse matrices are products of
+PETSc. A W-cycle with one symmetric sweep of Gauss-Seidel inside each process, MUMPS on the coarsest level.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from kshell.distributed.factor import NAME
+from kshell.distributed.matrix import Numbering, Reduced, Scattered
+from kshell.distributed.prepared import PetscFactorisation
+from kshell.solvers.multigrid.galerkin import entries
+from kshell.solvers.multigrid.hierarchy import prolongations
+from kshell.solvers.multigrid.pcg import Run, conjugate_gradients
+from kshell.solvers.multigrid.solver import ARGYRIS_TOLERANCE, TIGHTEST, Multigrid
+from kshell.solvers.system import Floats, PlateSpace, Product, Progress, Solution
+
+Ints = NDArray[np.integer]
+
+
+class PetscMultigrid(Multigrid):
+    """Conjugate gradients with PCMG.
+
+    Parameters
+    ----------
+    matrix : Scattered
+    space : PlateSpace
+    why : str
+    """
+
+    def __init__(self, matrix: Scattered, space: PlateSpace, why: str) -> None:
+        begin = time.perf_counter()
+        self.matrix, self.element, self.space = matrix, space.element, space
+        blocks, _, notes, _ = prolongations(space)
+        self._build([sp.csr_matrix(entries(block)) for block in blocks])
+        self.name, self.why = f"{NAME.partition(' ')[0]} (multigrid)", why
+        self.warnings = tuple(notes)
+        self.setup_seconds = time.perf_counter() - begin
+        self._factorisation: Any = None
+        self._unused = True
+
+    def _build(self, chain: list[Any]) -> None:
+        from petsc4py import PETSc
+
+        team = self.matrix.team
+        size = self.matrix.shape[0]
+        identity = sp.identity(size, format="csc")
+        self._fine = Numbering(team, identity, self.matrix.owner)
+        self._reduced = Reduced(self._fine, identity)
+        self._reduced.fill(self.matrix)
+        mat = self._reduced.mat
+        mat.setOption(PETSc.Mat.Option.SPD, True)
+        here, owner, kept = self._fine, self.matrix.owner, None
+        steps = []
+        for matrix in chain:
+            step = matrix if kept is None else matrix[kept]
+            columns = step.tocsc()
+            kept = np.flatnonzero(np.diff(columns.indptr) > 0)  # the others are forbidden by supports
+            columns = columns[:, kept]
+            owner = owner[columns.indices[columns.indptr[:-1]]]
+            there = Numbering(team, sp.identity(len(kept), format="csc"), owner)
+            steps.append(_rows(columns.tocsr(), here, there))
+            here = there
+        pc = PETSc.PC().create(team.communicator)
+        pc.setOperators(mat)
+        pc.setType("mg")
+        pc.setMGLevels(len(steps) + 1)
+        pc.setMGCycleType(PETSc.PC.MGCycleType.W)
+        for k, step in enumerate(steps):
+            pc.setMGInterpolation(len(steps) - k, step)
+        prefix = f"kshell_{id(self)}_"
+        options = PETSc.Options()
+        words = {
+            "pc_mg_galerkin": "both",
+            "mg_levels_ksp_type": "richardson",
+            "mg_levels_ksp_max_it": 1,
+            "mg_levels_pc_type": "sor",
+            "mg_levels_pc_sor_local_symmetric": None,
+            "mg_coarse_ksp_type": "preonly",
+            "mg_coarse_pc_type": "cholesky",
+            "mg_coarse_pc_factor_mat_solver_type": "mumps",
+        }
+        for key, value in words.items():
+            options[prefix + key] = value
+        pc.setOptionsPrefix(prefix)
+        pc.setFromOptions()
+        pc.setUp()
+        for key in words:
+            options.delValue(prefix + key)
+        self._pc, self._vectors = pc, mat.createVecs()
+
+    def precondition(self, residual: Floats) -> Floats:
+        """One cycle from zero."""
+        right, left = self._vectors
+        right.setArray(np.asarray(residual)[self._fine.own])
+        self._pc.apply(right, left)
+        return self._fine.team.join(self._fine.members, (), left.getArray)
+
+    def _run(
+        self, rhs: Floats, tolerance: float | None, progress: Progress | None, product: Product | None
+    ) -> Run:
+        if not rhs.any():
+            return Run(np.zeros_like(rhs), (0.0,), True, 0.0)
+        if tolerance is None:
+            tolerance = ARGYRIS_TOLERANCE if self.element == "argyris" else TIGHTEST
+        run = conjugate_gradients(self.matrix, rhs, self.precondition, tolerance, None, progress)
+        return run if product is None else self._refined(run, rhs, tolerance, product)
+
+    def _rescue(
+        self, solution: Solution, rhs: Floats, tolerance: float | None, product: Product | None
+    ) -> Solution:
+        if self._factorisation is None:
+            self._factorisation = PetscFactorisation(self.matrix, "multigrid stalled", self.space)
+        rescued: Solution = self._factorisation.solve(rhs, tolerance, None, product)
+        seconds = {name: rescued.seconds[name] + solution.seconds[name] for name in solution.seconds}
+        warning = f"multigrid stalled after {solution.iterations} iterations: MUMPS took over"
+        return replace(rescued, seconds=seconds, warnings=(*self.warnings, warning))
+
+
+def _rows(step: sp.csr_matrix, fine: Numbering, coarse: Numbering) -> Any:
+    """What this process has of an interpolation, in PETSc."""
+    from petsc4py import PETSc
+
+    own = step[fine.own].tocsr()
+    own = sp.csr_matrix((own.data, coarse.place[own.indices], own.indptr), shape=own.shape)
+    own.sort_indices()
+    size = ((fine.mine, fine.size), (coarse.mine, coarse.size))
+    kind = PETSc.IntType
+    csr = (own.indptr.astype(kind), own.indices.astype(kind), np.ascontiguousarray(own.data))
+    matrix = PETSc.Mat().createAIJ(size, csr=csr, comm=fine.team.communicator)
+    matrix.assemble()
+    return matrix

@@ -1,0 +1,72 @@
+"""Matrices of plates of a team, factorised by MUMPS and made ready for any number of loads."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import scipy.sparse as sp
+
+from kshell.distributed.factor import NAME, PetscFactoriser
+from kshell.distributed.matrix import Scattered
+from kshell.equilibrium.reduction import Reduction
+from kshell.errors import SolveError
+from kshell.solvers.checks import free_motion_error, require_stiff, softest_vector
+from kshell.solvers.direct import SHIFT, Factorisation
+from kshell.solvers.system import PlateSpace
+
+
+class PetscFactorisation(Factorisation):
+    """The matrix of a team, factorised by MUMPS.
+
+    Parameters
+    ----------
+    matrix : Scattered
+        Symmetric positive definite.
+    why : str
+    space : PlateSpace
+        Lets the error about a singular matrix say where and how the structure moves.
+
+    Raises
+    ------
+    SolveError
+        If the matrix is singular or not positive definite.
+    """
+
+    def __init__(self, matrix: Scattered, why: str, space: PlateSpace) -> None:
+        begin = time.perf_counter()
+        self.matrix, self.name, self.why, self.warnings = matrix, NAME, why, ()
+        factoriser = whole_factoriser(matrix)
+        solve, self.factor_entries = factoriser.factorise(matrix).solve, 0
+        self._solve = lambda rhs: solve(rhs)
+        try:
+            require_stiff(matrix, self._solve)
+        except SolveError as error:
+            raise _named(matrix, space, error) from None
+        self.setup_seconds = time.perf_counter() - begin
+        self._unused = True
+
+
+def whole_factoriser(matrix: Scattered) -> PetscFactoriser:
+    """For matrices on free unknowns."""
+    size = matrix.shape[0]
+    every = Reduction(sp.identity(size, format="csc"), np.zeros(size), np.zeros(0, dtype=np.int64))
+    return PetscFactoriser(matrix.team, every, matrix.owner)
+
+
+def _named(matrix: Scattered, space: PlateSpace, error: SolveError) -> SolveError:
+    """The error with the motion that is free, which needs the whole matrix: the first process gathers it."""
+    parts = matrix.team.communicator.gather(matrix.local)
+
+    def words() -> str:
+        whole = sum(parts[1:], parts[0]).tocsr()
+        from kshell.solvers.backends import SUPERLU
+
+        solve, _ = SUPERLU.factorise((whole + sp.diags(SHIFT * whole.diagonal())).tocsr())
+        x, stiffness = softest_vector(whole, solve)
+        return str(free_motion_error(whole, x, stiffness, space))
+
+    try:
+        return SolveError(matrix.team.once(words))
+    except Exception:
+        return error

@@ -1,0 +1,145 @@
+"""An error on any process, at any stage, ends all of them: one message, the right exit code, none left waiting.
+
+Skipped where PETSc or mpiexec is missing: install the extra `distributed`.
+"""
+
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+import kshell as ks
+from tests.distributed.processes import ENVIRONMENT, MISSING, ROOT, command_of, run_code
+
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"the extra distributed is not installed: {MISSING}")
+
+SOON = 5.0  # seconds from the error to the end, what is loaded and the time of tests beside it come on top
+MAIN = "from kshell.cli.commands import main\nmain()\n"
+# where an error is put: module, what is called there, and the stage it belongs to
+STAGES = {
+    "read": ("kshell.scene.scene", "Scene.read_mesh"),
+    "resolve": ("kshell.analysis.solve", "resolve"),
+    "assemble": ("kshell.shell.koiter.energy", "Koiter.linear_stiffness"),
+    "supports": ("kshell.shell.problem", "apply_supports"),
+    "factor": ("kshell.distributed.factor", "PetscFactoriser._set_up"),
+    "refine": ("kshell.shell.koiter.energy", "Koiter.linear_strain"),
+    "recover": ("kshell.shell.model", "answer_linear"),
+    "write": ("kshell.distributed.saving", "write_piece"),
+}
+INJECT = """
+import importlib, os, sys, time
+module, name, rank, kind, mark = {arguments!r}
+if os.environ["PMI_RANK"] == rank:
+    place = importlib.import_module(module)
+    *path, last = name.split(".")
+    for part in path:
+        place = getattr(place, part)
+    import kshell.errors
+    errors = {{**vars(kshell.errors), "MemoryError": MemoryError, "ValueError": ValueError}}
+    def fails(*given, **more):
+        open(mark, "w").write(str(time.time()))
+        raise errors[kind]("put here on purpose")
+    setattr(place, last, fails)
+"""
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    mesh = ks.geometry.Cylinder(1.0).mesh(6, 6, 2, ("a", "b", "c", "d"), (0.5, 1.4), (0.0, 1.0))
+    file = tmp_path_factory.mktemp("scene") / "scene.toml"
+    ks.Scene(
+        mesh=mesh,
+        thickness=0.01,
+        material=ks.Isotropic(E=1.0, nu=0.3),
+        supports=[ks.Clamped("a")],
+        loads=[ks.Pressure(1e-9)],
+    ).save(file)
+    return file
+
+
+def errors_in(text: str) -> list[str]:
+    return [line for line in text.splitlines() if line.startswith("error: ")]
+
+
+@pytest.mark.parametrize(
+    ("stage", "rank", "kind", "code"),
+    [
+        ("read", 0, "InputError", 2),
+        ("resolve", 1, "InputError", 2),
+        ("supports", 3, "InputError", 2),
+        ("assemble", 2, "MemoryError", 1),
+        ("factor", 1, "SolveError", 1),
+        ("refine", 3, "SolveError", 1),
+        ("recover", 0, "ValueError", 1),
+        ("write", 2, "SolveError", 1),
+    ],
+)
+def test_an_error_on_one_process_ends_all(
+    scene: Path, tmp_path: Path, stage: str, rank: int, kind: str, code: int
+) -> None:
+    mark = tmp_path / "when"
+    inject = INJECT.format(arguments=(*STAGES[stage], str(rank), kind, str(mark)))
+    done = run_code(4, inject + MAIN, "solve", scene, "-o", tmp_path / "out")
+    after = time.time() - float(mark.read_text(encoding="utf-8"))
+    assert done.returncode == code, done.stderr
+    (message,) = errors_in(done.stderr)
+    assert "out of memory" in message if kind == "MemoryError" else "put here on purpose" in message
+    assert after <= SOON * max(1.0, os.getloadavg()[0] / 2.0)
+    assert not list(tmp_path.glob("out/*"))  # nothing half written
+    assert "Traceback" not in done.stderr
+
+
+def test_bad_input_is_said_once(scene: Path) -> None:
+    done = run_code(3, MAIN, "solve", scene, "--set", "support.0.on=nowhere")
+    assert done.returncode == 2
+    assert len(errors_in(done.stderr)) == 1
+    assert "nowhere" in done.stderr
+    assert done.stdout == ""
+
+
+def test_a_folder_that_only_the_first_cannot_write(scene: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    done = run_code(2, MAIN, "solve", scene, "-o", tmp_path / "file" / "out")
+    assert done.returncode == 2
+    (message,) = errors_in(done.stderr)
+    assert "cannot be written" in message
+    done = run_code(2, MAIN, "solve", scene, "--json", tmp_path / "file" / "result.json")
+    assert done.returncode == 2
+    assert len(errors_in(done.stderr)) == 1
+
+
+@pytest.mark.parametrize("words", [["modes"], ["check"], ["converge"]])
+def test_what_is_not_for_several_is_refused_once(scene: Path, words: list[str]) -> None:
+    done = run_code(2, MAIN, *words, scene)
+    assert done.returncode == 2
+    (message,) = errors_in(done.stderr)
+    assert "several processes" in message
+
+
+def test_a_killed_process_ends_all(scene: Path, tmp_path: Path) -> None:
+    wait = "import os, time\nopen(os.path.join({!r}, os.environ['PMI_RANK']), 'w').write(str(os.getpid()))\n"
+    slow = (
+        "import kshell.shell.model as m\nold = m.answer_linear\n"
+        "def slowly(*given):\n    time.sleep(60 if os.environ['PMI_RANK'] == '1' else 0)\n    return old(*given)\n"
+        "m.answer_linear = slowly\n"
+    )
+    command = command_of(3, wait.format(str(tmp_path)) + slow + MAIN, "solve", scene, "-o", tmp_path / "out")
+    with subprocess.Popen(
+        command, env=ENVIRONMENT, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
+        begin = time.monotonic()
+        while len(list(tmp_path.glob("[0-9]"))) < 3 and time.monotonic() - begin < 60.0:
+            time.sleep(0.1)
+        time.sleep(1.0)
+        pids = [int((tmp_path / str(rank)).read_text(encoding="utf-8")) for rank in range(3)]
+        os.kill(pids[1], signal.SIGKILL)
+        begin = time.monotonic()
+        running.communicate(timeout=60.0)
+        assert running.returncode != 0
+    assert time.monotonic() - begin <= SOON
+    assert not any(psutil.pid_exists(pid) for pid in pids)
+    assert not (tmp_path / "out" / "result.json").exists()
