@@ -20,6 +20,7 @@ from kshell.error.assessment import Assessment
 from kshell.errors import InputError, SolveError
 from kshell.result.result import Result
 from kshell.scene.options import TOLERANCE
+from kshell.scene.structure import Structure
 from kshell.scene.supports import RigidLink, SimplySupported
 
 # deflection over thickness up to which no plate stretches by as much as matters
@@ -180,7 +181,7 @@ def _linear_only(model: Model, run: Run, solved: Solved | None) -> Answered:
         plate = model.recover(solved)
     described(plate, model, run, [_LINEAR], _solver(solved), large=False, warmth=model.warmth())
     thickness = float(plate.cell_fields["thickness"].max())
-    ratio = abs(plate.extremes["deflection"]["value"]) / thickness
+    ratio = _bent(plate, run.structure) / thickness
     words = f"the largest deflection is {ratio:.2g} times the thickness"
     answered = Answered(plate, model, solved)
     plate.error["budget"]["large_deflection"] = (
@@ -189,18 +190,17 @@ def _linear_only(model: Model, run: Run, solved: Solved | None) -> Answered:
     if ratio <= SMALL or options.large_deflection is False:
         plate.model["reasons"].append(f"linear: {words}")
         return answered
-    doubt = f"{words}: where the supports hinder it from moving in its plane it stretches and gets stiffer"
+    doubt = f"{words}: it is stiffer than this linear answer where its edges cannot move in its plane"
     asked = options.model == model.kind or options.element != "auto" or options.solver == "multigrid"
     mesh = run.structure.space
     ambiguous = any(isinstance(support.item, SimplySupported) for support in run.structure.supports)
     if ambiguous:
-        doubt += f" (a disk so supported all around would deflect by {_held_in_plane(ratio):.0%} of that)"
+        doubt += f" (a disk so held would deflect by {_held_in_plane(ratio):.0%} of that)"
     absurd = ratio * thickness > ABSURD * mesh.size
     if asked or ambiguous or absurd or len(mesh.triangles) > MOST_TRIANGLES:
         plate.model["reasons"].append(f"linear: {doubt}")
         plate.warnings.append(
-            f'{doubt}; large_deflection = true computes that (with model and element "auto"), large_deflection = false '
-            "keeps the linear plate without this warning"
+            f'{doubt}; large_deflection = true computes that (model and element "auto"), false keeps this'
         )
         return answered
     again = run.with_options(model="shell")
@@ -218,6 +218,16 @@ def _linear_only(model: Model, run: Run, solved: Solved | None) -> Answered:
     plate.error["budget"]["large_deflection"] = found.error["budget"]["large_deflection"]
     plate.model["reasons"] += [f"linear: {words}", *(r for r in found.model["reasons"] if "linear" in r)]
     return answered
+
+
+def _bent(plate: Result, structure: Structure) -> float:
+    """The largest deflection; of a plate that supports move what is left of it without its rigid part."""
+    if not any(placed.item.moves for placed in structure.supports):
+        return abs(float(plate.extremes["deflection"]["value"]))
+    w = np.asarray(plate.fields["displacement"])[:, 2]
+    x = np.asarray(plate.points)[:, :2]
+    rows = np.column_stack([np.ones(len(x)), x - x.mean(axis=0)])
+    return float(np.abs(w - rows @ np.linalg.lstsq(rows, w, rcond=None)[0]).max())
 
 
 def _held_in_plane(ratio: float) -> float:

@@ -94,8 +94,10 @@ def _answer(
     pushed: bool = False,
 ) -> Result:
     """Result of any solution; forces act at places displaced by `moved`; `pushed`: others than loads act, too."""
+    initial, energy = problem.loads.initial, problem.energy
+    held_back = None if initial is None else energy.linear_forces(energy.stress(initial))
     groups, balance = find_reactions(
-        problem.discretisation, problem.supports, solution, loads, problem.reduction, moved
+        problem.discretisation, problem.supports, solution, loads, problem.reduction, moved, held_back
     )
     energies = _energies(problem, fields.recovery, solution)
     largest = float(np.abs(solution.x / problem.discretisation.unknown_sizes()).max())

@@ -33,6 +33,7 @@ def find_reactions(
     loads: list[Floats],
     reduction: Reduction,
     moved: Floats | None = None,
+    held_back: Floats | None = None,
 ) -> tuple[Deferred[dict[str, Floats]], float]:
     """Reactions per group, computed when they are looked at, and the relative error of equilibrium.
 
@@ -42,6 +43,8 @@ def find_reactions(
         Of all supports together.
     moved : (unknowns,), optional
         Motion to the state in which forces have their arms; the shell at rest if absent.
+    held_back : (unknowns,), optional
+        Forces that would hold strains without stress back: what a body that is free to take them up is compared with.
 
     Returns
     -------
@@ -78,7 +81,8 @@ def find_reactions(
     # forces and moments of supports count one by one, too: of prescribed motion and initial strains nothing is left of
     # their sum
     motion = np.abs(scaled).max(axis=1)
-    gross = max((float(np.abs(forces * motion).sum()) for forces in [*loads, *held]), default=0.0)
+    acting = [*loads, *held, *([] if held_back is None else [held_back])]
+    gross = max((float(np.abs(forces * motion).sum()) for forces in acting), default=0.0)
     largest = max(float(np.abs(totals).max()), gross, 1e-300)
     return by_label, float(np.abs(np.sum(totals, axis=0)).max() / largest)
 

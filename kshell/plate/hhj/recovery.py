@@ -159,7 +159,12 @@ def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: 
     parts += [total * scale for total in totals.values()]
     balance = 0.0
     if parts:
-        largest = max(float(np.abs(parts).max()), *(load.gross(size) for load in loads.forms), 1e-300)
+        # where nothing acts, the forces that would bend the plate by as much as it moves
+        bending = (
+            np.abs(system.stiffness).max() * np.abs(solution.unknowns[: numbering.vertices]).max() / size**2
+        )
+        gross = [load.gross(size) for load in loads.forms] or [float(bending)]
+        largest = max(float(np.abs(parts).max()), *gross, 1e-300)
         balance = float(np.abs(np.sum(parts, axis=0)).max() / largest)
     documents: dict[str, Any] = {}
     for label, (force, mx, my) in totals.items():
