@@ -14,20 +14,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.analysis.buckling_intervals import factor_bounds
 from kshell.analysis.critical_load import critical_on_path, path_words
-from kshell.analysis.intervals import Interval, unknown
-from kshell.analysis.membrane import membrane_state
-from kshell.analysis.modal_result import modal_result
-from kshell.analysis.models import bending_only
-from kshell.analysis.prestress import Stressed, plate_geometric, stressed
-from kshell.analysis.run import Run, described
+from kshell.analysis.modal_result import entry, finished, modal_result
+from kshell.analysis.narrowing import Stage, held_to, narrowed
+from kshell.analysis.prestress import Stressed, stressed
+from kshell.analysis.run import Run
 from kshell.equilibrium.model import Model
-from kshell.error.buckling import lower_bounds
 from kshell.errors import InputError, SolveError
 from kshell.plate.model import PlateModel
 from kshell.result.result import Result
+from kshell.scene.loads import Pressure
 from kshell.scene.structure import Structure
-from kshell.scene.supports import Symmetry
 from kshell.solvers.critical import CriticalPencil, factors
 from kshell.solvers.eigenbasis import clusters
 from kshell.solvers.pencil import Spectrum
@@ -39,8 +37,8 @@ COUNT = 3
 CLUSTER = 0.01
 # deflection across the surface before buckling, against the thickness, from which the linear factor is doubtful
 SMALL = 0.3
-# relative variation of a membrane force that is rounding
-UNIFORM = 1e-9
+# factors beyond those asked for, from which sharp bounds choose their trial functions
+TRIALS = 5
 
 
 def analyse(model: Model, run: Run) -> Result:
@@ -67,7 +65,35 @@ def analyse(model: Model, run: Run) -> Result:
             if structure.loads
             else "there is no load: buckling needs loads that press the structure in its surface"
         )
-    count = COUNT if options.count is None else options.count
+    if options.tolerance is not None:
+        run = held_to(run, model)
+    stage, fixed = _stage(run, model)
+    with run.clock.stage("bounds"):
+        wanted = COUNT if options.count is None else options.count
+        count = min(wanted, len(stage.found.values))
+        grown = [float(g) for g in grows]
+        bound = factor_bounds(stage, count, grown, fixed)
+        known, stage = narrowed(stage, bound, lambda finer, model: _stage(finer, model)[0], count)
+        stage.run = replace(stage.run, clock=run.clock)
+        count = min(count, len(stage.found.values))
+        known = known.only(count)
+    values = stage.found.values[:count]
+    with run.clock.stage("recover"):
+        result = modal_result(stage.model, stage.found.vectors[:, :count], largest_one=True)
+        result.eigen = [entry(value, i) for value, i in zip(values.tolist(), known.of, strict=True)]
+    with run.clock.stage("bounds"):
+        warnings = [*_warnings(values), *_bending_before(stage, values, grows, result)]
+    if count < wanted:
+        warnings.append(
+            f"only {count} factors exist, not {wanted}: the loads change the stiffness of no more motions"
+        )
+    return finished(result, stage, known, _reasons(stage), warnings, "Lanczos' method on the factor of K")
+
+
+def _stage(run: Run, model: Model) -> tuple[Stage, bool]:
+    """The eigenproblem of a model, solved, and whether some loads do not grow."""
+    structure, options = run.structure, run.options
+    grows = growing(structure)
     with run.clock.stage("assemble"):
         stiffness = model.stiffness()
         state = stressed(model, structure, [float(g) for g in grows[:-1]], float(grows[-1]))
@@ -81,25 +107,20 @@ def analyse(model: Model, run: Run) -> Result:
         pencil = CriticalPencil(stiffness, state.geometric)
         if not any(still):
             pencil = pencil._replace(energy=model.energies)
-        found = _factors(pencil, count, any(still))
-    with run.clock.stage("bounds"):
-        of, reasons = _intervals(model, run, state, found, any(still))
-    with run.clock.stage("recover"):
-        result = modal_result(model, found.vectors, largest_one=True)
-        result.eigen = [
-            {"value": value, "frequency": None, "lower": i.lower, "upper": i.upper, "kind": i.kind}
-            for value, i in zip(found.values.tolist(), of, strict=True)
-        ]
-    result.error["kind"] = of[0].kind if of else "none"
-    result.warnings += [*found.notes, *_warnings(run, found.values)]
-    with run.clock.stage("bounds"):
-        result.warnings += _bending_before(model, run, state, found.values, grows, result)
-    if len(found.values) < count:
-        result.warnings.append(
-            f"only {len(found.values)} factors exist, not {count}: the loads change the stiffness of no more motions"
-        )
-    solver = {"name": found.solver, "why": "Lanczos' method on the factor of K", "iterations": found.solves}
-    return described(result, model, run, reasons, solver, large=False)
+        count = COUNT if options.count is None else options.count
+        found = _factors(pencil, count + (0 if options.tolerance is None else TRIALS), any(still))
+    return Stage(run, model, pencil, found, state), any(still)
+
+
+def _reasons(stage: Stage) -> list[str]:
+    """How pressures act while the structure buckles."""
+    pressures = [placed.item for placed in stage.run.structure.loads if isinstance(placed.item, Pressure)]
+    if stage.model.kind == "plate" or not any(not load.follower for load in pressures):
+        return []
+    return [
+        "pressure keeps its direction while the structure buckles; follower = true lets it turn with the surface, as "
+        "that of a fluid does"
+    ]
 
 
 def growing(structure: Structure) -> list[bool]:
@@ -132,87 +153,7 @@ def _factors(pencil: CriticalPencil, count: int, fixed: bool) -> Spectrum:
         raise
 
 
-def _intervals(
-    model: Model, run: Run, state: Stressed, found: Spectrum, fixed: bool
-) -> tuple[list[Interval], list[str]]:
-    """Guaranteed for plates in a uniform state without tension, else estimated from another order."""
-    count = len(found.values)
-    if run.options.error == "off" or fixed:
-        return unknown(count).of, []
-    if isinstance(model, PlateModel):
-        return _plate_intervals(model, run, state, found)
-    return _shell_intervals(model, run, found)
-
-
-def _shell_intervals(model: Model, run: Run, found: Spectrum) -> tuple[list[Interval], list[str]]:
-    from kshell.shell.koiter.model import KoiterModel
-
-    if not isinstance(model, KoiterModel) or model.order < 2:
-        return unknown(len(found.values)).of, []
-    other = KoiterModel(model.structure, model.order - 1, model.reasons)
-    every = [float(g) for g in growing(run.structure)]
-    try:
-        state = stressed(other, run.structure, every[:-1], every[-1])
-        values = factors(
-            CriticalPencil(other.stiffness(), state.geometric, other.energies), len(found.values)
-        ).values
-    except SolveError:
-        return unknown(len(found.values)).of, []
-    words = f"intervals of factors: estimated from orders {model.order} and {model.order - 1}"
-    return _apart(found.values, values), [words]
-
-
-def _apart(values: Floats, other: Floats) -> list[Interval]:
-    """As far to both sides as the factor of the same sign and number of another order is away."""
-    out = []
-    for k, value in enumerate(values.tolist()):
-        rank = int(np.sum(np.sign(values[:k]) == np.sign(value)))
-        same = other[np.sign(other) == np.sign(value)]
-        if rank >= len(same):
-            out.append(Interval(None, None, "none"))
-            continue
-        half = abs(value - float(same[rank]))
-        out.append(Interval(value - half, value + half, "estimated"))
-    return out
-
-
-def _plate_intervals(
-    model: PlateModel, run: Run, state: Stressed, found: Spectrum
-) -> tuple[list[Interval], list[str]]:
-    from kshell.analysis.intervals import finer, premises
-
-    assert state.membrane is not None
-    count = len(found.values)
-    grows = [float(g) for g in growing(run.structure)]
-    if model.element == "argyris":
-        structure = finer(run.structure, run)
-        other = PlateModel(bending_only(structure), "morley")
-    else:
-        structure = run.structure
-        other = PlateModel(bending_only(structure), "argyris")
-    membrane = membrane_state(structure, grows[:-1], grows[-1])
-    values = factors(CriticalPencil(other.stiffness(), plate_geometric(other, membrane)), count)
-    lacking = premises(model)
-    force = membrane.nodes.reshape(-1, 2, 2)
-    mean = force.mean(axis=0)
-    if np.abs(force - mean).max() > UNIFORM * np.abs(mean).max():
-        lacking.append("the membrane forces are not uniform")
-    elif np.linalg.eigvalsh(mean)[1] > UNIFORM * np.abs(mean).max():
-        lacking.append("the membrane forces are tensile in some direction")
-    if not (values.checked and found.checked):
-        lacking.append("that no factor was missed is not confirmed")
-    if lacking or len(values.values) < count:
-        words = f"intervals of factors: estimated from Morley and Argyris elements, not proven: {'; '.join(lacking)}"
-        return _apart(found.values, values.values), [words]
-    morley, argyris = (values, found) if model.element == "argyris" else (found, values)
-    below = other if model.element == "argyris" else model
-    lower = lower_bounds(below.problem, morley, -mean)
-    upper = argyris.values * (1.0 + 1e-9)
-    words = "intervals of factors: guaranteed, from Ritz values of Argyris elements and a bound from Morley elements"
-    return [Interval(float(a), float(b), "guaranteed") for a, b in zip(lower, upper, strict=True)], [words]
-
-
-def _warnings(run: Run, values: Floats) -> list[str]:
+def _warnings(values: Floats) -> list[str]:
     out = []
     if not np.any(values > 0):
         out.append(
@@ -225,18 +166,15 @@ def _warnings(run: Run, values: Floats) -> list[str]:
                 f"factors {begin + 1} to {end} lie within {CLUSTER:.0%} of their neighbours, a cluster: each of its "
                 "shapes is one of many, and small imperfections decide which of them a real structure takes"
             )
-    if any(isinstance(placed.item, Symmetry) for placed in run.structure.supports):
-        out.append("planes of symmetry hold the motion: shapes that are not symmetric to them are left out")
     return out
 
 
-def _bending_before(
-    model: Model, run: Run, state: Stressed, values: Floats, grows: list[bool], result: Result
-) -> list[str]:
+def _bending_before(stage: Stage, values: Floats, grows: list[bool], result: Result) -> list[str]:
     """A warning where the structure bends before it buckles, with the factor of the path of large deflections."""
+    model, run = stage.model, stage.run
     positive = values[values > 0]
     first = float(positive.min()) if len(positive) else float(np.abs(values).min(initial=0.0))
-    deflection, thickness = _deflection(model, run, state)
+    deflection, thickness = _deflection(model, run, stage.state)
     if first * deflection <= SMALL * thickness:
         return []
     found: dict[str, Any] = {"kind": "not followed", "factor": None}

@@ -17,6 +17,8 @@ from kshell.shell.koiter.model import KoiterModel
 # of the linear factor: so far the path is followed
 FURTHER = 1.5
 STEPS = 12
+# steps tried at most
+ATTEMPTS = 40
 # unknowns up to which it is followed unasked
 SMALL = 15_000
 # order of the shell that a plate is taken as
@@ -54,6 +56,8 @@ def critical_on_path(model: Model, run: Run, factors: Sequence[float], first: fl
     march = marching.begin(problem.start())
     try:
         while not marching.ended(march):
+            if march.attempts > ATTEMPTS:
+                return {"kind": "lost", "factor": float(march.state.factor)}
             march, critical = marching.go_on(march)
             if critical is not None:
                 return {"kind": critical.kind, "factor": float(critical.state.factor)}

@@ -36,7 +36,29 @@ DEGREE = 2  # of N in a triangle: strains of cubic displacements
 BALANCED = 1e-8
 # part of a load, or of the size of the mesh, that is rounding
 ROUNDED = 1e-10
+ALIKE = 1e-9  # relative variation of a membrane force that is rounding
 STEPS = 4  # of Newton's method for places in triangles with curved edges
+
+
+class UniformState(NamedTuple):
+    """Membrane forces that are alike everywhere.
+
+    Attributes
+    ----------
+    force : (2, 2) array
+        N in x, y.
+    """
+
+    force: Floats
+
+    @property
+    def degree(self) -> int:
+        """Of N as a polynomial in each triangle."""
+        return 0
+
+    def at(self, triangles: np.ndarray, xi: Floats) -> Floats:
+        """N (n, point, 2, 2) at reference points (n, point, 2) of triangles (n,)."""
+        return np.broadcast_to(self.force, (*xi.shape[:2], 2, 2))
 
 
 class MembraneState(NamedTuple):
@@ -54,6 +76,18 @@ class MembraneState(NamedTuple):
     nodes: Floats
     model: KoiterModel
     domain: Domain
+
+    @property
+    def degree(self) -> int:
+        """Of N as a polynomial in each triangle."""
+        return DEGREE
+
+    @property
+    def uniform(self) -> UniformState | None:
+        """The same where it is alike everywhere, None elsewhere."""
+        force = self.nodes.reshape(-1, 2, 2)
+        mean = force.mean(axis=0)
+        return UniformState(mean) if np.abs(force - mean).max() <= ALIKE * np.abs(mean).max() else None
 
     def at(self, triangles: np.ndarray, xi: Floats) -> Floats:
         """N (n, point, 2, 2) at reference points (n, point, 2) of the plate's triangles (n,)."""
@@ -83,8 +117,15 @@ class MembraneState(NamedTuple):
         return float(np.abs(self.nodes).max())
 
 
-def membrane_state(structure: Structure, factors: Sequence[float], motion: float = 1.0) -> MembraneState:
+def membrane_state(
+    structure: Structure, factors: Sequence[float], motion: float = 1.0, order: int = ORDER
+) -> MembraneState:
     """The state under the loads of a flat structure times factors (load,), and its prescribed motion times one.
+
+    Parameters
+    ----------
+    order : int
+        Of the displacements.
 
     Raises
     ------
@@ -92,7 +133,7 @@ def membrane_state(structure: Structure, factors: Sequence[float], motion: float
         If the loads push the plate away in its plane, or act along what is held on their own edge.
     """
     flat = replace(structure, supports=plane_only(structure), movable=True)
-    model = KoiterModel(flat, ORDER)
+    model = KoiterModel(flat, order)
     problem = model.problem.under(factors, motion)
     basis = _plane_columns(problem)
     load = problem.load

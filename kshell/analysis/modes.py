@@ -8,21 +8,21 @@ or the tangent at the end of a path of large deflections.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.analysis.intervals import Plate, plate_intervals, shell_intervals, unknown
-from kshell.analysis.modal_result import modal_result
+from kshell.analysis.intervals import frequency_bounds
+from kshell.analysis.modal_result import entry, finished, modal_result
+from kshell.analysis.narrowing import Stage, held_to, narrowed
 from kshell.analysis.prestress import Prestress, prestressed
-from kshell.analysis.run import Run, described
+from kshell.analysis.run import Run
 from kshell.equilibrium.model import Model
 from kshell.equilibrium.rigid_modes import RigidModes
 from kshell.errors import InputError
-from kshell.plate.model import PlateModel
 from kshell.result.result import Result
-from kshell.scene.supports import Symmetry
 from kshell.solvers.eigen import in_range, smallest
 from kshell.solvers.pencil import Pencil, Spectrum
 
@@ -33,8 +33,6 @@ COUNT = 6
 MOST = 500
 # Ritz values beyond those asked for, from which sharp bounds choose their trial functions
 TRIALS = 7
-# eigenvalues below this part of the first elastic one in size are rounding
-ZERO = 1e-9
 
 
 def analyse(model: Model, run: Run) -> Result:
@@ -47,6 +45,42 @@ def analyse(model: Model, run: Run) -> Result:
     SolveError
         If no answer was reached.
     """
+    if run.options.tolerance is not None:
+        run = held_to(run, model)
+    stage = _stage(run, model)
+    with run.clock.stage("bounds"):
+        count = count_of(stage.found, run)
+        bound = frequency_bounds(stage, count)
+        known, stage = narrowed(stage, bound, lambda finer, model: _stage(finer, model), count)
+        stage.run = replace(stage.run, clock=run.clock)
+        count = min(count, len(stage.found.values))
+        known = known.only(count)
+    model, found, state = stage.model, stage.found, stage.state
+    with run.clock.stage("recover"):
+        rigid = [] if state is not None else model.rigid_modes(stage.pencil.mass).names
+        vectors = np.concatenate([stage.pencil.rigid, found.vectors[:, :count]], axis=1)
+        values = np.concatenate([np.zeros(len(rigid)), found.values[:count]])
+        result = modal_result(model, vectors)
+        share = model.participation(vectors)
+        for k, value in enumerate(values.tolist()):
+            one = entry(value, known.of[k - len(rigid)] if k >= len(rigid) else None)
+            one["frequency"] = float(np.sqrt(value)) / (2 * np.pi) if value >= 0 else None
+            if k < len(rigid):
+                one |= {"name": rigid[k], "lower": 0.0, "upper": 0.0, "kind": "guaranteed"}
+            one["participation"] = share.factors[k].tolist()
+            one["effective_mass"] = share.effective_mass[k].tolist()
+            result.eigen.append(one)
+        result.modal = {
+            "total_mass": share.total.tolist(),
+            "effective_mass": share.effective_mass.sum(axis=0).tolist(),
+        }
+    reasons, warnings = ([], []) if state is None else (state.reasons, state.warnings)
+    warnings = [*warnings, *_warnings(run, values)]
+    return finished(result, stage, known, reasons, warnings, "shift and invert, by Lanczos' method")
+
+
+def _stage(run: Run, model: Model) -> Stage:
+    """The eigenproblem of a model, solved."""
     options = run.options
     with run.clock.stage("assemble"):
         mass = model.mass()
@@ -61,52 +95,7 @@ def analyse(model: Model, run: Run) -> Result:
         pencil = Pencil(stiffness, mass, rigid.vectors)
         if state is None:
             pencil = pencil._replace(energy=model.energies, product=_columns(model))
-        found = solve_pencil(pencil, run)
-    with run.clock.stage("bounds"):
-        count = count_of(found, run)
-        if options.error == "off" or state is not None:
-            known = unknown(len(found.values))
-        elif isinstance(model, PlateModel):
-            known, plate = plate_intervals(Plate(model, pencil, found), run, count)
-            model, pencil, found = plate.model, plate.pencil, plate.found
-        else:
-            known = shell_intervals(model, found)
-        known = known.only(count)
-    with run.clock.stage("recover"):
-        rigid = rigid._replace(vectors=pencil.rigid)
-        vectors = np.concatenate([rigid.vectors, found.vectors[:, :count]], axis=1)
-        values = np.concatenate([np.zeros(len(rigid.names)), found.values[:count]])
-        result = modal_result(model, vectors)
-        result.eigen = [
-            _entry(value, rigid.names[k] if k < len(rigid.names) else None)
-            for k, value in enumerate(values.tolist())
-        ]
-        share = model.participation(vectors)
-        for k, entry in enumerate(result.eigen):
-            entry["participation"] = share.factors[k].tolist()
-            entry["effective_mass"] = share.effective_mass[k].tolist()
-            if k < len(rigid.names):
-                continue
-            interval = known.of[k - len(rigid.names)]
-            entry |= {"lower": interval.lower, "upper": interval.upper, "kind": interval.kind}
-        result.modal = {
-            "total_mass": share.total.tolist(),
-            "effective_mass": share.effective_mass.sum(axis=0).tolist(),
-        }
-    reasons = [*([] if state is None else state.reasons), *known.reasons]
-    result.warnings += [
-        *found.notes,
-        *([] if state is None else state.warnings),
-        *known.warnings,
-        *_warnings(model, run, values),
-    ]
-    if known.why_not:
-        result.error["why_not"] = known.why_not
-    result.error["kind"] = known.kind
-    result.error["estimate"] = known.width
-    result.error["levels"] = known.levels
-    solver = {"name": found.solver, "why": "shift and invert, by Lanczos' method", "iterations": found.solves}
-    return described(result, model, run, reasons, solver, large=False)
+        return Stage(run, model, pencil, solve_pencil(pencil, run), state)
 
 
 def solve_pencil(pencil: Pencil, run: Run) -> Spectrum:
@@ -142,21 +131,7 @@ def _columns(model: Model) -> Any:
     return apply
 
 
-def _entry(value: float, name: str | None) -> dict[str, Any]:
-    frequency = float(np.sqrt(value)) / (2 * np.pi) if value >= 0 else None
-    entry: dict[str, Any] = {
-        "value": value,
-        "frequency": frequency,
-        "lower": None,
-        "upper": None,
-        "kind": "none",
-    }
-    if name is not None:
-        entry |= {"name": name, "lower": 0.0, "upper": 0.0, "kind": "guaranteed"}
-    return entry
-
-
-def _warnings(model: Model, run: Run, values: Floats) -> list[str]:
+def _warnings(run: Run, values: Floats) -> list[str]:
     out = []
     if np.any(values < 0):
         out.append(
@@ -172,6 +147,4 @@ def _warnings(model: Model, run: Run, values: Floats) -> list[str]:
         out.append(
             f"{what} do not act in this analysis: prestress = true lets them act before the structure vibrates"
         )
-    if any(isinstance(placed.item, Symmetry) for placed in structure.supports):
-        out.append("planes of symmetry hold the motion: modes that are not symmetric to them are left out")
     return out

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import scipy.sparse as sp
 
-from kshell.analysis.membrane import DEGREE, MembraneState, membrane_state
+from kshell.analysis.membrane import MembraneState, UniformState, membrane_state
 from kshell.analysis.path import grow_load
 from kshell.analysis.run import Run
 from kshell.equilibrium.model import FiniteModel, Model, Solved
@@ -76,10 +76,10 @@ def stressed(model: Model, structure: Structure, factors: Sequence[float], motio
     return Stressed(model.geometric_stiffness(solved), solved=solved)
 
 
-def plate_geometric(model: PlateModel, state: MembraneState) -> sp.csr_matrix:
+def plate_geometric(model: PlateModel, state: MembraneState | UniformState) -> sp.csr_matrix:
     """Of membrane forces of a plate."""
     problem = model.problem
-    form = Membrane(problem.domain, problem.element, state.at, DEGREE)
+    form = Membrane(problem.domain, problem.element, state.at, state.degree)
     pattern = Pattern(problem.reduction)
     return assemble([form], [], problem.domain, problem.reduction, pattern).matrix
 

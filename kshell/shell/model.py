@@ -26,8 +26,9 @@ from kshell.shell.problem import ShellProblem
 
 Floats = NDArray[np.float64]
 
-# relative asymmetry of the stiffness of a load that is rounding
-SYMMETRIC = 1e-9
+# relative asymmetry of the stiffness of a load up to which the surface is closed or held: planes of symmetry on a
+# coarse mesh of a chart leave 2e-4, a free edge 1.6
+SYMMETRIC = 1e-3
 
 
 class ShellModel(FiniteModel):

@@ -171,6 +171,54 @@ def test_snap_through_is_told_beside_the_linear_factor():
     assert any("has a limit point at the factor 2.2" in words for words in result.warnings)
 
 
+@pytest.mark.parametrize(
+    ("id", "kind"),
+    [
+        ("buckling.SSSS.x", "guaranteed"),
+        ("buckling.CCCC.orthotropic.x", "guaranteed"),
+        ("buckling.SSSS.shear", "estimated"),
+        pytest.param("buckling.CCCC.x", "guaranteed", marks=pytest.mark.full),
+        pytest.param("buckling.CCCC.shear", "estimated", marks=pytest.mark.full),
+        pytest.param("buckling.SSSF.x", "guaranteed", marks=pytest.mark.full),
+        pytest.param("buckling.disk.clamped", "estimated", marks=pytest.mark.full),
+    ],
+)
+def test_intervals_close_to_a_tolerance(id, kind):
+    """Around known factors: proven under uniform compression, elsewhere from moments or meshes."""
+    case = find(id)
+    result = ks.solve(
+        case.build(4, 2 if "disk" in id else 1), element="argyris", error="auto", tolerance=1e-6, count=2
+    )
+    known = list(case.references.values())
+    assert result.error["kind"] == kind
+    assert result.error["estimate"] <= 1e-6
+    assert "why_not" not in result.error
+    assert len(result.error["levels"]) >= 2
+    positive = [entry for entry in result.eigen if entry["value"] > 0]
+    for entry, reference in zip(positive, known, strict=False):
+        assert entry["kind"] == kind
+        off = reference.uncertainty * reference.value
+        assert entry["lower"] - off <= reference.value <= entry["upper"] + off
+        assert entry["upper"] - entry["lower"] <= 1e-6 * entry["value"]
+
+
+def test_tolerance_of_a_shell_is_estimated_from_meshes():
+    """Two modes of a tube: the interval is that of how far they move, and holds the exact values."""
+    case = find("shell.buckling.tube")
+    result = ks.solve(case.build(3, 0), element="koiter", order=3, count=1, tolerance=2e-3)
+    assert result.error["kind"] == "estimated"
+    assert result.error["estimate"] <= 2e-3
+    assert result.eigen[0]["lower"] - 3e-4 <= 3.0 <= result.eigen[0]["upper"] + 3e-4
+
+
+def test_a_tolerance_that_is_not_reached_is_told():
+    result = ks.buckling(
+        square("SSSS", n=2, loads=press(1)), element="morley", count=1, tolerance=1e-9, limit="1 s"
+    )
+    assert "is not reached" in result.error["why_not"]
+    assert any("is not reached" in words for words in result.warnings)
+
+
 def test_uniform_deflection_is_no_bending():
     ring = find("shell.buckling.tube")
     result = ring.solve(ring.runs[0])

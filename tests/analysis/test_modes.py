@@ -171,6 +171,19 @@ def test_warnings_say_what_does_not_act():
     assert any("planes of symmetry" in words for words in result.warnings)
 
 
+@pytest.mark.parametrize("options", [{"prestress": True}, {"model": "shell", "order": 3}])
+def test_tolerance_without_a_proof_is_estimated_from_meshes(options):
+    """4 pi^4 (1 + n / (2 pi^2)) under N_x = N_y = n; the shell without them."""
+    loads = pulled(10.0) if "prestress" in options else []
+    result = ks.modes(square("SSSS", n=4, loads=loads, thickness=0.01), count=1, tolerance=1e-4, **options)
+    exact = 4 * np.pi**4 * (1 + 10.0 / (2 * np.pi**2) if loads else 1)
+    entry = result.eigen[0]
+    assert entry["kind"] == result.error["kind"] == "estimated"
+    assert entry["upper"] - entry["lower"] <= 1e-4 * entry["value"]
+    assert entry["lower"] <= exact * (1 + 1e-8)
+    assert entry["upper"] >= exact * (1 - 1e-8)
+
+
 @pytest.mark.parametrize(
     "options", [{}, {"model": "shell", "order": 2, "large_deflection": True, "error": "off"}]
 )

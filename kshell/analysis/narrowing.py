@@ -1,0 +1,167 @@
+"""Intervals around eigenvalues narrowed to a tolerance, on one mesh after the other.
+
+Where intervals say which triangles make them wide, those are cut; elsewhere all are, and the interval is estimated from
+how far the values still move.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.analysis.interval import Known, apart
+from kshell.analysis.refined_mesh import refined
+from kshell.analysis.run import Run
+from kshell.equilibrium.model import Model
+from kshell.mesh.refine import longest_first
+from kshell.solvers.pencil import Spectrum
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+# triangles, and unknowns, up to which a mesh is refined for a tolerance
+FINEST, MOST_UNKNOWNS = 20_000, 200_000
+# share of the width of the intervals whose triangles are cut, and share of triangles from which all are
+BULK = 0.9
+EVERYWHERE = 0.5
+# share of its last step that a value may still move per step, for an estimate from the last two steps
+SLOWEST = 0.9
+
+
+@dataclass
+class Stage:
+    """An eigenproblem solved on one mesh.
+
+    Attributes
+    ----------
+    run : Run
+        With the structure of that mesh.
+    model : Model
+    pencil : Pencil or CriticalPencil
+    found : Spectrum
+    state : object
+        Of the loads, where there is one.
+    """
+
+    run: Run
+    model: Model
+    pencil: Any
+    found: Spectrum
+    state: Any = None
+
+
+def narrowed(
+    first: Stage,
+    bound: Callable[[Stage], Known],
+    again: Callable[[Run, Model], Stage],
+    count: int,
+) -> tuple[Known, Stage]:
+    """Intervals of the first `count` values, and the stage they belong to: with a tolerance, on a finer mesh.
+
+    Parameters
+    ----------
+    bound : function
+        What is known on one mesh.
+    again : function
+        From the run on a finer mesh, and its model, to the stage there.
+
+    Raises
+    ------
+    InputError, SolveError
+        As the models.
+    """
+    options = first.run.options
+    if options.tolerance is None:
+        return bound(first), first
+    tolerance, begin = float(options.tolerance), time.perf_counter()
+    levels: list[dict[str, Any]] = []
+    turned = first.run.on_mesh(longest_first(first.run.structure.parameters))
+    stages = [again(turned, turned.model())]  # triangles are cut at their first edge
+    while True:
+        clock, stage = time.process_time(), stages[-1]
+        known = bound(stage)
+        if known.misfit is None:
+            _estimate(known, stages)
+        width = known.only(count).width
+        unknowns = stage.model.unknowns
+        levels.append({"unknowns": unknowns, "half_width": None if width is None else 0.5 * width})
+        levels[-1]["seconds"] = time.process_time() - clock
+        if width is not None and width <= tolerance:
+            break
+        mesh = _next_mesh(stage, known)
+        why = ""
+        if len(mesh.triangles) > FINEST or unknowns * len(mesh.triangles) > MOST_UNKNOWNS * len(
+            stage.run.structure.parameters.triangles
+        ):
+            why = "the mesh is not refined further"
+        elif time.perf_counter() - begin > options.time_limit:
+            why = f"the limit of {options.limit} is reached"
+        if why:
+            wide = "unknown" if width is None else f"{width:.1e} wide"
+            known.why_not = (
+                f"tolerance = {tolerance:g} is not reached: the intervals are {wide} with {unknowns} unknowns, and "
+                f"{why}"
+            )
+            known.warnings.append(known.why_not)
+            break
+        wide = "" if width is None else f"intervals {width:.1e} wide, "
+        first.run.tell(f"bounds: {wide}{unknowns} unknowns; the mesh is refined")
+        finer = stage.run.on_mesh(mesh)
+        stages.append(again(finer, finer.model()))
+    if len(levels) > 1:
+        known.reasons.append(
+            f"the mesh was refined {len(levels) - 1} times for the tolerance of {tolerance:g}"
+        )
+    known.levels = levels
+    return known, stages[-1]
+
+
+def held_to(run: Run, model: Model) -> Run:
+    """The run with its element and order as they are, whatever finer meshes would get."""
+    changes: dict[str, Any] = {"model": model.kind, "element": model.element}
+    if model.element == "koiter":
+        changes["order"] = model.order
+    return replace(run, options=run.options.updated(**changes))
+
+
+def _estimate(known: Known, stages: list[Stage]) -> None:
+    """From how far values moved between meshes, where there are several."""
+    if len(stages) < 2:
+        return
+    last, before = stages[-1].found, stages[-2].found
+    if last.first != before.first:
+        return
+    wider = 1.0
+    if len(stages) > 2:
+        values = [stage.found.values for stage in stages[-3:]]
+        n = min(len(v) for v in values)
+        steps = [np.abs(b[:n] - a[:n]) for a, b in pairwise(values)]
+        # values that move by a share q of their last step go on by q + q^2 + ...
+        q = (
+            min(float(np.max(steps[1] / np.maximum(steps[0], 1e-300))), SLOWEST)
+            if steps[0].max() > 0
+            else 0.0
+        )
+        wider = max(1.0, q / (1.0 - q))
+    known.of = apart(last.values, before.values, wider)
+    known.reasons = [
+        "intervals: estimated, not proven, from how far the values move when all triangles are cut into four"
+    ]
+
+
+def _next_mesh(stage: Stage, known: Known) -> Any:
+    """Cut where most of the width comes from; everywhere, where it comes from everywhere or that is not known."""
+    run, model, misfit = stage.run, stage.model, known.misfit
+    count = len(run.structure.parameters.triangles)
+    if misfit is None:
+        return refined(run.scene, model, np.arange(count)).mesh
+    order = np.argsort(-misfit, kind="stable")
+    most = int(np.searchsorted(np.cumsum(misfit[order]), BULK * misfit.sum())) + 1
+    marked: Ints = np.arange(count) if most > EVERYWHERE * count else order[:most]
+    return refined(run.scene, model, marked).mesh
