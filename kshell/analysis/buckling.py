@@ -205,7 +205,7 @@ def _deflection(model: Model, run: Run, state: Stressed) -> tuple[float, float]:
     across_only = tuple(
         placed
         for placed, grows in zip(structure.loads, growing(structure)[:-1], strict=True)
-        if grows and not placed.item.stretches(placed.vertices(structure.space))
+        if grows and not placed.item.stretches(placed.places(structure.space))
     )
     if not across_only:
         return 0.0, thickness

@@ -310,7 +310,7 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
             if exceeds(value[:, :2], value):
                 yield f"{support} moves it in its plane"
     for placed in structure.loads if moved else ():
-        words = placed.item.stretches(placed.vertices(mesh))
+        words = placed.item.stretches(placed.places(mesh))
         if words:
             yield f"{placed.item} {words}"
         elif isinstance(placed.item, Temperature) and couples(placed.item, structure.section):

@@ -19,6 +19,7 @@ from kshell.mesh import Mesh, Selection, select
 from kshell.mesh.check import is_flat
 from kshell.mesh.facing import top_words
 from kshell.scene.loads import Load
+from kshell.scene.normals import beside
 from kshell.scene.places import on_words
 from kshell.scene.sections import each
 from kshell.scene.supports import RigidLink, Support
@@ -151,7 +152,8 @@ def _draw_load(axes: Axes, mesh: Mesh, load: Load, end: float | None) -> None:
             *points.T[:2], marker="D", color=LOAD_COLOUR, markersize=4, linestyle="", label=label, zorder=6
         )
         return
-    values = largest_values(load, points, end)
+    at = beside(mesh, chosen.members, points) if load.needs_normal else points
+    values = largest_values(load, at, end)
     vector = values if values.ndim == 2 else values[:, None] * np.array([0.0, 0.0, 1.0])
     if load.kind == "point_moment":
         _arrows(axes, mesh, points, vector, label, heads=2)
@@ -286,6 +288,7 @@ def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
 
 def amount(load: Load) -> str:
     """The value of a load in words."""
-    if load.kind == "temperature":
-        return f"gradient {show(getattr(load, 'gradient', 0.0))}"
-    return show(load.value)
+    keys = (*load.scaling, *load.placing)
+    if keys == ("value",):
+        return show(load.value)
+    return ", ".join(f"{key} {show(getattr(load, key))}" for key in keys)

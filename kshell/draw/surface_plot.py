@@ -254,7 +254,7 @@ def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load, end: float | No
         _mark(axes, mesh, nodes, chosen, LOAD_COLOUR, label)
         return
     points, normals = _places(mesh, nodes, chosen)
-    values = largest_values(load, points, end)
+    values = largest_values(load, np.hstack([points, normals]) if load.needs_normal else points, end)
     vector = values if values.ndim == 2 else values[:, None] * normals
     most = np.linalg.norm(vector, axis=1).max()
     if most == 0.0:

@@ -17,11 +17,12 @@ from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, Field, LinearForm, PointLoad
-from kshell.plate.places import first_triangles, points_3d
+from kshell.plate.places import first_triangles, places_of, points_3d
 from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
     EdgeMoment,
     Gravity,
+    Hydrostatic,
     InitialCurvature,
     InitialStrain,
     LineForce,
@@ -29,6 +30,7 @@ from kshell.scene.loads import (
     PointForce,
     PointMoment,
     Pressure,
+    Snow,
     Temperature,
     Traction,
 )
@@ -150,7 +152,7 @@ class _Builder:
 
     def _across(self, load: Any, xy: Floats) -> Floats:
         """z component of a vector load at points (..., 2), after refusing components in the plane."""
-        value = load.at(points_3d(self.domain, xy))
+        value = load.at(places_of(load, self.domain, xy))
         in_plane = np.abs(value[..., :2]).max(initial=0.0)
         if in_plane > IN_PLANE * np.abs(value).max(initial=0.0):
             worst = xy.reshape(-1, 2)[int(np.abs(value[..., :2]).max(axis=-1).argmax())]
@@ -165,7 +167,7 @@ class _Builder:
     ) -> None:
         self.out.forms.append(AreaLoad(self.domain, self.element, self._triangles(placed), value, degree))
 
-    @HANDLERS.of(Pressure)
+    @HANDLERS.of(Pressure, Hydrostatic)
     def _pressure(self, load: Any, placed: Placed[Any]) -> None:
         if load.follower:
             raise InputError(
@@ -177,11 +179,11 @@ class _Builder:
         else:
             self._area(
                 placed,
-                lambda triangles, xy: load.at(points_3d(self.domain, xy)),
+                lambda triangles, xy: load.at(places_of(load, self.domain, xy)),
                 polynomial_degree(load.value),
             )
 
-    @HANDLERS.of(Traction)
+    @HANDLERS.of(Traction, Snow)
     def _traction(self, load: Any, placed: Placed[Any]) -> None:
         self._area(placed, lambda triangles, xy: self._across(load, xy), polynomial_degree(load.value))
 

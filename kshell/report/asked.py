@@ -89,7 +89,7 @@ def load_table(scene: Scene) -> Table:
 def _amount(load: Any) -> str:
     if load.kind != "temperature":
         return show(load.value)
-    return ", ".join(f"{key} {show(getattr(load, key))}" for key in load.scaling)
+    return ", ".join(f"{key} {show(getattr(load, key))}" for key in (*load.scaling, *load.placing))
 
 
 def case_table(scene: Scene) -> Table:

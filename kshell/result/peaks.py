@@ -43,7 +43,7 @@ def peaks(structure: Structure) -> dict[int, str]:
     for load in structure.loads:
         if not isinstance(load.item, PointForce | PointMoment) or load.place is None or load.link:
             continue
-        if load.depends_on_time or np.any(load.item.at(load.vertices(mesh))):
+        if load.depends_on_time or np.any(load.item.at(load.places(mesh))):
             words = "a point force" if isinstance(load.item, PointForce) else "a point moment"
             out |= dict.fromkeys(load.place.members.tolist(), words)
     return out

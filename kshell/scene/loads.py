@@ -11,7 +11,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator
 
-from kshell.scene.places import On, Place, ScalarExpansion, ScalarValue, VectorValue, on_words
+from kshell.errors import InputError
+from kshell.scene.places import (
+    On,
+    Place,
+    ScalarExpansion,
+    ScalarValue,
+    SurfaceScalar,
+    SurfaceVector,
+    VectorValue,
+    on_words,
+)
+from kshell.values.time import depends_on_normal
 from kshell.values.validation import Flag, described
 from kshell.values.varying import is_constant, values_at
 
@@ -40,6 +51,8 @@ class Load:
         By which load cases know it.
     scaling : tuple of str
         The values that it grows with.
+    placing : tuple of str
+        Further values, that say where it is.
     components : int or None
         Length of the vector, None for a scalar.
     dimensions : tuple of int
@@ -50,13 +63,19 @@ class Load:
     components: ClassVar[int | None] = None
     dimensions: ClassVar[tuple[int, ...]] = (2,)
     scaling: ClassVar[tuple[str, ...]] = ("value",)
+    placing: ClassVar[tuple[str, ...]] = ()
     on: Place | None
     value: Any
     fixed: bool = False
     name: str = ""
 
+    @property
+    def needs_normal(self) -> bool:
+        """Whether its values depend on the normal, so that `at` needs it beside the points."""
+        return any(depends_on_normal(getattr(self, key, None)) for key in self.scaling)
+
     def at(self, points: ArrayLike) -> NDArray[np.float64]:
-        """The value at points (..., 3): (...) for a scalar, (..., components) for a vector."""
+        """The value at points (..., 3), or (..., 6) with normals: (...) for a scalar, else (..., components)."""
         return values_at(self.value, points, self.components, what=str(self))
 
     def require_finite(self, points: ArrayLike) -> None:
@@ -132,7 +151,7 @@ class Pressure(Load):
     [[load]]
     name = "wind"
     kind = "pressure"
-    value = "-800*(1 + y)"
+    value = "-800*(1 + y)*max(nx, 0)"      # nx, ny, nz: the unit normal
     on = "roof"
     follower = true
     fixed = true
@@ -140,7 +159,7 @@ class Pressure(Load):
     """
 
     kind: ClassVar[str] = "pressure"
-    value: ScalarValue
+    value: SurfaceScalar
     on: On | None = None
     follower: Flag = False
     fixed: Flag = False
@@ -170,10 +189,97 @@ class Traction(Load):
 
     kind: ClassVar[str] = "traction"
     components: ClassVar[int | None] = 3
-    value: VectorValue
+    value: SurfaceVector
     on: On | None = None
     fixed: Flag = False
     name: Name = field(default="", kw_only=True)
+
+
+@described("load snow")
+class Snow(Load):
+    """Force per area of the plan, downwards along -z: what lies on a slope, seen from above.
+
+    Attributes
+    ----------
+    value : scalar [force / length^2]
+        Per area of the projection on a plane of constant z; positive.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    name = "snow"
+    kind = "snow"
+    on = "roof"
+    value = "1500 if nz > 0.5 else 0"
+    ```
+    """
+
+    kind: ClassVar[str] = "snow"
+    value: SurfaceScalar
+    on: On | None = None
+    fixed: Flag = False
+    name: Name = field(default="", kw_only=True)
+    components: ClassVar[int | None] = 3
+    needs_normal: ClassVar[bool] = True
+
+    def at(self, points: ArrayLike) -> NDArray[np.float64]:
+        x = np.asarray(points, dtype=float)
+        weight = values_at(self.value, x, what=str(self))
+        if (weight < 0.0).any():
+            raise InputError(
+                f"{self}: the value is negative somewhere: snow lies on the surface, it does not lift"
+            )
+        return weight[..., None] * np.abs(x[..., 5:6]) * np.array([0.0, 0.0, -1.0])
+
+
+@described("load hydrostatic")
+class Hydrostatic(Load):
+    """Pressure of a liquid at rest along the normal: its weight per volume times the depth below its level.
+
+    Attributes
+    ----------
+    weight : number [force / length^3]
+        Per volume; negative where the liquid stands on the side the normal points to, which it pushes away from.
+    level : number or expression [length]
+        The z of its surface; above it there is no pressure.
+    follower : bool
+        Whether it turns with the surface under large deflections; the depth is that of the undeformed place.
+
+    Examples
+    --------
+    ```toml
+    [[load]]
+    kind = "hydrostatic"
+    on = "wall"
+    weight = 9810
+    level = 4.0
+    follower = true
+    ```
+    """
+
+    kind: ClassVar[str] = "hydrostatic"
+    scaling: ClassVar[tuple[str, ...]] = ("weight",)
+    placing: ClassVar[tuple[str, ...]] = ("level",)
+    weight: ScalarValue
+    level: ScalarValue
+    on: On | None = None
+    fixed: Flag = False
+    follower: Flag = False
+    name: Name = field(default="", kw_only=True)
+
+    @property
+    def value(self) -> Any:
+        """Of the pressure: a function of the place."""
+        return self.at
+
+    def at(self, points: ArrayLike) -> NDArray[np.float64]:
+        x = np.asarray(points, dtype=float)
+        depth = values_at(self.level, x, what=f"{self}, level") - x[..., 2]
+        return values_at(self.weight, x, what=f"{self}, weight") * np.maximum(depth, 0.0)
+
+    def stretches(self, points: ArrayLike) -> str:
+        return "follows the surface" if self.follower else ""
 
 
 @described("load gravity")
@@ -450,6 +556,8 @@ LOADS: dict[str, type[Any]] = {
     for cls in (
         Pressure,
         Traction,
+        Snow,
+        Hydrostatic,
         Gravity,
         LineForce,
         EdgeMoment,

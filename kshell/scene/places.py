@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 from kshell.errors import InputError, clipped
 from kshell.material.expansion import as_expansion
 from kshell.values import kinds
-from kshell.values.expression import PLACE, Expression
+from kshell.values.expression import NORMAL, PLACE, Expression
 from kshell.values.time import TIME
 
 Point = tuple[float, float, float]
@@ -89,8 +90,13 @@ def _as_place(value: Any) -> Place:
     raise ValueError("must be a group name, a list of group names, or a point [x, y, z]")
 
 
-def as_scalar(value: Any) -> Any:
+def as_scalar(value: Any, names: tuple[str, ...] = (*PLACE, TIME)) -> Any:
     """A number, a formula or a function, checked.
+
+    Parameters
+    ----------
+    names : sequence of str
+        What formulas may have.
 
     Raises
     ------
@@ -98,7 +104,7 @@ def as_scalar(value: Any) -> Any:
         With words for the user.
     """
     if isinstance(value, str):
-        return _formula(value)
+        return _formula(value, names)
     if callable(value):
         return value
     if _is_number(value) or (isinstance(value, np.ndarray) and value.ndim == 0):
@@ -108,18 +114,18 @@ def as_scalar(value: Any) -> Any:
     raise ValueError("must be a number, an expression in x, y, z, or a function f(x, y, z)")
 
 
-def _as_vector(value: Any) -> Any:
+def _as_vector(value: Any, names: tuple[str, ...] = (*PLACE, TIME)) -> Any:
     if callable(value):
         return value
     parts = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
     if len(parts) != 3:
         raise ValueError("must be a vector of three numbers or expressions, or a function f(x, y, z)")
-    return tuple(as_scalar(part) for part in parts)
+    return tuple(as_scalar(part, names) for part in parts)
 
 
-def _formula(text: str) -> str:
+def _formula(text: str, names: tuple[str, ...]) -> str:
     try:
-        Expression(text, (*PLACE, TIME))
+        Expression(text, names)
     except InputError as error:
         raise ValueError(str(error)) from None  # pydantic adds the key
     return text
@@ -133,6 +139,19 @@ ScalarValue = Annotated[Any, BeforeValidator(as_scalar), WithJsonSchema(kinds.SC
 
 VectorValue = Annotated[Any, BeforeValidator(_as_vector), WithJsonSchema(kinds.VECTOR)]
 """Three numbers or expressions, or a function that returns three components."""
+
+
+ON_SURFACE = (*PLACE, *NORMAL, TIME)
+
+SurfaceScalar = Annotated[
+    Any, BeforeValidator(partial(as_scalar, names=ON_SURFACE)), WithJsonSchema(kinds.SCALAR)
+]
+"""A number, an expression in x, y, z and the normal nx, ny, nz, or a function."""
+
+SurfaceVector = Annotated[
+    Any, BeforeValidator(partial(_as_vector, names=ON_SURFACE)), WithJsonSchema(kinds.VECTOR)
+]
+"""Three numbers or expressions, in x, y, z and the normal nx, ny, nz, or a function that returns three components."""
 
 
 def _as_either(value: Any) -> Any:

@@ -21,6 +21,7 @@ from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.loads import Load, PointForce, PointMoment, Temperature
 from kshell.scene.masses import Mass
+from kshell.scene.normals import with_normals
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point, ProbePoint
 from kshell.scene.scene import Scene
@@ -65,19 +66,30 @@ class Placed(Generic[T]):
         corners = mesh.edges if self.place.dimension == 1 else mesh.triangles
         return mesh.points[np.unique(corners[self.place.members])]
 
+    def places(self, mesh: Mesh) -> Floats:
+        """(n, 3) vertices of the part, or (n, 6) with their normals where the values of a load depend on these."""
+        if not getattr(self.item, "needs_normal", False):
+            return self.vertices(mesh)
+        return with_normals(mesh, self.members(mesh))
+
     @property
     def depends_on_time(self) -> bool:
         """Whether it changes with the time t."""
-        return any(depends_on_time(getattr(self.item, key, None)) for key in self.item.scaling)
+        return any(depends_on_time(getattr(self.item, key, None)) for key in _keys(self.item))
 
     def at_time(self, time: float) -> Placed[T]:
         """The same at one time."""
         if not self.depends_on_time:
             return self
-        keys = [key for key in self.item.scaling if hasattr(self.item, key)]
+        keys = [key for key in _keys(self.item) if hasattr(self.item, key)]
         item: Any = self.item
         values = {key: at_time(getattr(item, key), time) for key in keys}
         return replace(self, item=replace(item, **values))
+
+
+def _keys(item: Any) -> tuple[str, ...]:
+    """What may change with the time."""
+    return (*item.scaling, *getattr(item, "placing", ()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +175,7 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     masses = tuple(_masses(scene.masses, space))
     every: list[Placed[Any]] = [*supports, *loads, *masses]
     for placed in every:
-        (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
+        (placed.at_time(0.0) if moving else placed).item.require_finite(placed.places(space))
     for words in contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space):
         raise InputError(words)
     for name, point in scene.probes.items():
@@ -227,7 +239,7 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
                 found = [_load(item, space, links)]
                 loads += found
             for placed in found:
-                (placed.at_time(0.0) if moving else placed).item.require_finite(placed.vertices(space))
+                (placed.at_time(0.0) if moving else placed).item.require_finite(placed.places(space))
                 if section is not None and isinstance(placed.item, Temperature):
                     require_expansions(placed.item, section, placed.members(space))
         except InputError as error:

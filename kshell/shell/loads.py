@@ -20,6 +20,7 @@ from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
     EdgeMoment,
     Gravity,
+    Hydrostatic,
     InitialCurvature,
     InitialStrain,
     LineForce,
@@ -27,6 +28,7 @@ from kshell.scene.loads import (
     PointForce,
     PointMoment,
     Pressure,
+    Snow,
     Temperature,
     Traction,
 )
@@ -34,6 +36,7 @@ from kshell.scene.structure import Placed, Structure
 from kshell.scene.thermal import free_strain
 from kshell.scene.weights import weights
 from kshell.shell.discretisation import Discretisation
+from kshell.shell.evaluate import OfNormal, Value
 from kshell.shell.initial import StressFree
 from kshell.shell.limits import USE_KOITER
 from kshell.shell.links import Link
@@ -119,6 +122,11 @@ def apply_loads(
     return builder.out
 
 
+def _value(load: Load) -> Value:
+    """Values of a load on a surface, for kernels."""
+    return OfNormal(load.at) if load.needs_normal else load.at
+
+
 class _Builder:
     def __init__(
         self, structure: Structure, discretisation: Discretisation, energy: Any, links: Sequence[Link]
@@ -131,17 +139,15 @@ class _Builder:
         self.number = 0
         self.out = ShellLoads()
 
-    @HANDLERS.of(Pressure)
+    @HANDLERS.of(Pressure, Hydrostatic)
     def _pressure(self, load: Any, placed: Placed[Any]) -> None:
-        triangles = placed.members(self.mesh)
+        triangles, value = placed.members(self.mesh), _value(load)
         if load.follower:
             self._require_koiter(load)
             number, surface = len(self.out.forces), self.surface
-            self.out.followers[number] = lambda x: self.kernel.follower_pressure(
-                surface, x, load.at, triangles
-            )
+            self.out.followers[number] = lambda x: self.kernel.follower_pressure(surface, x, value, triangles)
         self._warn_of_opposed_normals(load, triangles)
-        self.out.forces.append(self.kernel.pressure(self.surface, load.at, triangles))
+        self.out.forces.append(self.kernel.pressure(self.surface, value, triangles))
 
     def _warn_of_opposed_normals(self, load: Any, triangles: Ints) -> None:
         """Sheets that meet at a branch are oriented one by one: their normals may point to opposite sides."""
@@ -160,9 +166,9 @@ class _Builder:
                 "changes its direction there; use traction, a vector in space, or one pressure for each sheet"
             )
 
-    @HANDLERS.of(Traction)
+    @HANDLERS.of(Traction, Snow)
     def _traction(self, load: Any, placed: Placed[Any]) -> None:
-        self.out.forces.append(self.kernel.traction(self.surface, load.at, placed.members(self.mesh)))
+        self.out.forces.append(self.kernel.traction(self.surface, _value(load), placed.members(self.mesh)))
 
     @HANDLERS.of(Gravity)
     def _gravity(self, load: Any, placed: Placed[Any]) -> None:

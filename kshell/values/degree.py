@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from kshell.values.expression import CONSTANTS, Expression
+from kshell.values.expression import CONSTANTS, NORMAL, PLACE, Expression
 
-COORDINATES = {"x": 1, "y": 1, "z": 0}  # in a plane of constant z
+COORDINATES = {"x": 1, "y": 1, "z": 0, **dict.fromkeys(NORMAL, 0)}  # in a plane of constant z
 
 
 def polynomial_degree(value: Any) -> int | None:
@@ -19,7 +19,7 @@ def polynomial_degree(value: Any) -> int | None:
     Functions written in Python are not looked into.
     """
     if isinstance(value, str):
-        return _degree(Expression(value).tree)
+        return _degree(Expression(value, (*PLACE, *NORMAL)).tree)
     if callable(value):
         return None
     if isinstance(value, Sequence | np.ndarray):

@@ -26,6 +26,7 @@ LONGEST_TEXT = 2000
 DEEPEST_NESTING = 150
 
 PLACE = ("x", "y", "z")
+NORMAL = ("nx", "ny", "nz")
 CONSTANTS = {"pi": math.pi, "e": math.e}
 
 # name: (fewest arguments, most arguments, numpy function); None: any number of arguments

@@ -1,11 +1,13 @@
-"""Values that depend on the time t: formulas with t, and what they are at one time."""
+"""Values that depend on the time t: formulas with t, and what they are at one time; whether they ask for the normal."""
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Sequence
 from typing import Any
 
 from kshell.errors import InputError
+from kshell.values.expression import NORMAL
 
 TIME = "t"
 NO_TIME = (
@@ -15,10 +17,19 @@ NO_TIME = (
 
 def depends_on_time(value: Any) -> bool:
     """Whether a value, or a component of it, is a formula with t."""
+    return _uses(value, (TIME,))
+
+
+def depends_on_normal(value: Any) -> bool:
+    """Whether a value, or a component of it, is a formula with nx, ny or nz."""
+    return _uses(value, NORMAL)
+
+
+def _uses(value: Any, names: Sequence[str]) -> bool:
     if isinstance(value, tuple | list):
-        return any(depends_on_time(part) for part in value)
+        return any(_uses(part, names) for part in value)
     return isinstance(value, str) and any(
-        isinstance(node, ast.Name) and node.id == TIME for node in ast.walk(_tree(value))
+        isinstance(node, ast.Name) and node.id in names for node in ast.walk(_tree(value))
     )
 
 

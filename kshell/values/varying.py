@@ -1,6 +1,7 @@
 """Values that may be numbers, formulas or functions of the place, evaluated at points.
 
-A value is a number, an expression string in x, y, z, or a Python function f(x, y, z) of arrays. A vector
+A value is a number, an expression string in x, y, z (of loads on surfaces also in nx, ny, nz, the normal), or a Python
+function f(x, y, z) of arrays. A vector
 is a list that may mix numbers and expression strings, or a function that returns its components in turn.
 """
 
@@ -14,12 +15,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.words import shown
-from kshell.values.expression import Expression
-from kshell.values.time import NO_TIME, depends_on_time
+from kshell.values.expression import NORMAL, PLACE, Expression
+from kshell.values.time import NO_TIME, depends_on_normal, depends_on_time
 
 Floats = NDArray[np.float64]
 Scalar = float | str | Callable[..., Any]
 Vector = Sequence[float | str] | Callable[..., Any]
+
+NO_NORMAL = (
+    "nx, ny, nz are the normal of the surface, which pressures and tractions know: elsewhere leave them out"
+)
 
 
 def values_at(value: Any, points: ArrayLike, components: int | None = None, what: str = "value") -> Floats:
@@ -28,7 +33,8 @@ def values_at(value: Any, points: ArrayLike, components: int | None = None, what
     Parameters
     ----------
     value : number, str, callable, or a sequence of `components` numbers and strings
-    points : (..., 3) array
+    points : (..., 3) or (..., 6) array
+        Places, or places with normals.
     components : int, optional
         Length of the vector; None for a scalar value.
     what : str
@@ -45,7 +51,7 @@ def values_at(value: Any, points: ArrayLike, components: int | None = None, what
     """
     points = np.asarray(points, dtype=np.float64)
     shape = points.shape[:-1]
-    flat = points.reshape(-1, 3)
+    flat = points.reshape(-1, points.shape[-1])
     if components is None:
         result = _scalar(value, flat, what)
     elif callable(value):
@@ -80,9 +86,10 @@ def show(value: Any) -> str:
 def _scalar(value: Any, points: Floats, what: str) -> Floats:
     if isinstance(value, str):
         try:
-            return Expression(value)(*points.T)
+            names = PLACE if points.shape[1] == len(PLACE) else (*PLACE, *NORMAL)
+            return Expression(value, names)(*points.T)
         except InputError as error:
-            words = NO_TIME if depends_on_time(value) else error
+            words = NO_TIME if depends_on_time(value) else NO_NORMAL if depends_on_normal(value) else error
             raise InputError(f"{what}: {words}") from None
     if callable(value):
         return _call(value, points, (len(points),), what)
@@ -104,7 +111,7 @@ def _call(function: Callable[..., Any], points: Floats, shape: tuple[int, ...], 
     )
     try:
         with np.errstate(all="ignore"):
-            result = function(*points.T.copy())
+            result = function(*points[:, :3].T.copy())
         if len(shape) == 2:
             result = np.stack([np.broadcast_to(np.asarray(part, float), shape[1:]) for part in result])
         return np.array(np.broadcast_to(np.asarray(result, dtype=float), shape))
@@ -119,7 +126,7 @@ def _require_finite(result: Floats, points: Floats, value: Any, what: str) -> No
     if finite.all():
         return
     bad = np.flatnonzero(~finite.reshape(len(points), -1).all(axis=1))[0]
-    x, y, z = points[bad]
+    x, y, z = points[bad, :3]
     shown = np.atleast_1d(result[bad])
     raise InputError(
         f"{what}: {show(value)} is {shown[~np.isfinite(shown)][0]:g} at ({x:.6g}, {y:.6g}, {z:.6g}): "

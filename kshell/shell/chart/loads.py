@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -17,19 +19,25 @@ Floats = NDArray[np.float64]
 EDGE_POINTS = 5
 
 
+def _normals(surface: ChartSurface, triangles: NDArray) -> Floats:
+    """(triangle, q, 3) normals at quadrature points, as long as the area element."""
+    return np.moveaxis(cross(*surface.first[:, :, triangles]), 0, 2)
+
+
 def traction(surface: ChartSurface, value: Value, triangles: ArrayLike | None = None) -> Floats:
     """Force per area, a vector in space."""
     chosen = _every(surface, triangles)
-    force = evaluate(value, np.moveaxis(surface.positions[:, chosen], 0, 2), 3)
+    normal = partial(_normals, surface, chosen)
+    force = evaluate(value, np.moveaxis(surface.positions[:, chosen], 0, 2), 3, normal)
     return _spread(surface, chosen, force * surface.area_elements[chosen][..., None])
 
 
 def pressure(surface: ChartSurface, value: Value, triangles: ArrayLike | None = None) -> Floats:
     """Force per area along the normal of the rest surface."""
     chosen = _every(surface, triangles)
-    p = evaluate(value, np.moveaxis(surface.positions[:, chosen], 0, 2), 1)
-    normal = cross(*surface.first[:, :, chosen])
-    return _spread(surface, chosen, np.moveaxis(normal * p, 0, 2))
+    normal = _normals(surface, chosen)
+    p = evaluate(value, np.moveaxis(surface.positions[:, chosen], 0, 2), 1, lambda: normal)
+    return _spread(surface, chosen, normal * p[..., None])
 
 
 def line_force(surface: ChartSurface, value: Value, edges: ArrayLike) -> Floats:

@@ -6,6 +6,8 @@ surface. All loads below are dead loads; `follower_pressure` turns with the surf
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike, NDArray
@@ -41,11 +43,17 @@ def _add_to_nodes(surface: Surface, nodes: NDArray, forces: Floats) -> Floats:
     return result
 
 
+def _normals(surface: Surface, triangles: NDArray) -> Floats:
+    """(triangle, q, 3) normals at interior quadrature points, as long as the area element J."""
+    return np.moveaxis(cross(*surface.tangents(surface.reference.first, triangles)), 0, 2)
+
+
 def traction(surface: Surface, value: Value, triangles: ArrayLike | None = None) -> Floats:
     """Force per area, a vector in space, on some triangles (all if absent)."""
     chosen = _every(surface, triangles)
     ref = surface.reference
-    force = evaluate(value, surface_points(surface, chosen), 3)
+    normal = partial(_normals, surface, chosen)
+    force = evaluate(value, surface_points(surface, chosen), 3, normal)
     force = force * (surface.area_elements[chosen] * ref.weights)[..., None]
     nodal = np.einsum("qn,tqx->tnx", ref.values, force)
     return _add_to_nodes(surface, surface.triangle_nodes[chosen], nodal)
@@ -55,8 +63,8 @@ def pressure(surface: Surface, value: Value, triangles: ArrayLike | None = None)
     """Force per area along the normal of the rest surface."""
     chosen = _every(surface, triangles)
     ref = surface.reference
-    p = evaluate(value, surface_points(surface, chosen), 1)
-    normal = np.moveaxis(cross(*surface.tangents(ref.first, chosen)), 0, 2)  # of length J
+    normal = _normals(surface, chosen)
+    p = evaluate(value, surface_points(surface, chosen), 1, lambda: normal)
     nodal = np.einsum("qn,tqx->tnx", ref.values, normal * (p * ref.weights)[..., None])
     return _add_to_nodes(surface, surface.triangle_nodes[chosen], nodal)
 
@@ -72,7 +80,8 @@ def follower_pressure(
     chosen = _every(surface, triangles)
     ref = surface.reference
     u, _ = surface.split(x)
-    weight = evaluate(value, surface_points(surface, chosen), 1) * ref.weights
+    at_rest = partial(_normals, surface, chosen)
+    weight = evaluate(value, surface_points(surface, chosen), 1, at_rest) * ref.weights
     x1, x2 = surface.tangents(ref.first, chosen) + surface.jets(u, ref.first, chosen)
     normal = np.moveaxis(cross(x1, x2), 0, 2)
     nodes = surface.triangle_nodes[chosen]
