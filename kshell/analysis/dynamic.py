@@ -104,6 +104,15 @@ class Moving:
         viscosity = damping.material(self.frequency)
         touching = scene.contact is not None
         scheme = options.scheme if options.scheme != "auto" else "bdf2" if touching else "alpha"
+        if scheme == "em" and model.structure.section.inelastic():
+            raise InputError(
+                'scheme = "em" keeps energy, and a material that yields (hardening) or relaxes (relaxation) does not: '
+                'take "alpha", "bdf2" or "euler"'
+            )
+        if viscosity and model.yields:
+            raise InputError(
+                "damping: ratio and viscosity are for materials that do not yield: take drag, or leave hardening out"
+            )
         if touching and scheme == "em":
             raise InputError('scheme = "em" has no contact: take "alpha", "bdf2" or "euler"')
         self._equilibrium = lru_cache(KEPT)(lambda time: self.at(time).equilibrium())

@@ -183,6 +183,8 @@ def _require_sense(structure: Structure, options: SolveOptions) -> None:
         _require_motion(options)
     if structure.touching:
         _require_contact(options)
+    if _yields(structure, options):
+        _require_yielding(options)
     followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
     if followers and options.large_deflection is False and options.analysis == "static":
         raise InputError(
@@ -218,6 +220,32 @@ def _require_motion(options: SolveOptions) -> None:
     if options.model == "plate" or options.element in ("morley", "hhj"):
         raise InputError(
             'a motion is that of a shell, flat ones too: leave model and element out, or model = "shell"'
+        )
+
+
+def _yields(structure: Structure, options: SolveOptions) -> bool:
+    """Whether the section yields, in an analysis that knows of it."""
+    return (
+        options.analysis in ("static", "path", "dynamic")
+        and structure.section.inelastic().yielding is not None
+    )
+
+
+def _require_yielding(options: SolveOptions) -> None:
+    """Refuse what does not go with materials that yield, rather than leave it out."""
+    if options.large_deflection is False:
+        raise InputError(
+            "a material that yields (hardening) is computed with large deflections: leave large_deflection = false "
+            "out, or hardening, which leaves it elastic"
+        )
+    if options.tolerance is not None:
+        raise InputError(
+            "tolerance: the error of a shell that yields (hardening) is not known: leave it out, and refine by hand"
+        )
+    if options.model == "plate" or options.element in ("morley", "argyris", "hhj"):
+        raise InputError(
+            'a material that yields (hardening) is for shells with the element "koiter", flat ones too: leave model '
+            "and element out, or hardening"
         )
 
 
@@ -277,7 +305,12 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return "plate", f"kind plate: element {options.element} was asked for"
     if not flat:
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
-    if options.large_asked or options.analysis == "dynamic" or structure.touching:
+    if (
+        options.large_asked
+        or options.analysis == "dynamic"
+        or structure.touching
+        or _yields(structure, options)
+    ):
         return "shell", "kind shell: large deflections of a flat mesh stretch it"
     bends = options.analysis in BENDING
     stretching = next(_stretching(structure, moved=not bends), None)
@@ -342,6 +375,8 @@ def _finite(options: SolveOptions) -> bool:
 
 def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
+    if structure.section.inelastic() and options.analysis in ("static", "path", "dynamic"):
+        return "the material remembers its past"
     if structure.imperfection is not None:
         return "the imperfection moves its nodes"
     for held in structure.supports:
@@ -382,6 +417,8 @@ def _order(structure: Structure, options: SolveOptions) -> tuple[int, str]:
                 'are those of plates, element = "hhj"'
             )
         return options.order, f"order {options.order}: as asked for"
+    if _yields(structure, options):
+        return 1, "order 1: the section yields, triangle by triangle"
     mesh = structure.parameters
     if mesh.curving is not None and mesh.curving.order < 3:
         return mesh.curving.order, f"order {mesh.curving.order}: as good as the shape is known"

@@ -14,6 +14,8 @@ from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
 from kshell.scene.structure import Structure, resolve
 
+# analyses of elastic materials, whatever they remember of their past
+ELASTIC = ("modes", "buckling", "response")
 # analyses of what no support holds: it may move as a rigid body
 MOVABLE = ("modes", "dynamic")
 
@@ -49,6 +51,8 @@ def as_analysed(structure: Structure, choice: ModelChoice, options: SolveOptions
     InputError
         If loads in its plane push a flat shell away.
     """
+    if options.analysis in ELASTIC:
+        structure = replace(structure, elastic=True)
     if options.analysis in MOVABLE and not options.prestress:
         structure = replace(structure, movable=True)
     if choice.kind == "plate" and options.analysis in BENDING:

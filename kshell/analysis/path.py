@@ -107,7 +107,7 @@ def marching_of(model: FiniteModel, problem: Problem, options: SolveOptions) -> 
         If the probe to be controlled does not exist, or does not move.
     """
     path = options.analysis == "path"
-    steps = options.steps if options.steps != "auto" else (10 if path else 1)
+    steps = options.steps if options.steps != "auto" else (10 if path or model.yields else 1)
     if options.control is None:
         limits: Limits = "follow" if path else "jump"
         return LoadSteps(problem, steps, limits=limits, branch=options.branch, aside=0.5 * model.thickness)

@@ -62,7 +62,9 @@ def analyse(model: Model, run: Run) -> Result:
         If the user stopped a growing load; its `state` as above.
     """
     answered = answer_once(model, run)
-    if run.options.error != "off":
+    if isinstance(answered.model, FiniteModel) and answered.model.yields:
+        answered.result.error["why_not"] = "the shell yields, and estimates are those of elastic ones"
+    elif run.options.error != "off":
         estimated(answered, run)
     return answered.result
 
@@ -89,7 +91,7 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
     indicator: Indicator | None = None
     trace: Trace | None = None
     with run.clock.stage("solve"):
-        if not options.large_asked:
+        if not options.large_asked and not model.yields:
             solved = model.solve(options.solver)
             if options.large_deflection == "auto":
                 indicator = indicate(model, solved.own, TOLERANCE)
@@ -148,6 +150,8 @@ def _why_large(
     model: FiniteModel, result: Result, solved: Solved | None, indicator: Indicator | None
 ) -> list[str]:
     """Why large deflections, with the displacement of each probe both ways where it was decided here."""
+    if model.yields:
+        return ["large deflections: the section yields, so the loads grow step by step"]
     if indicator is None or solved is None:
         return ["large deflections, as asked for"]
     small = model.linear_probes(solved)

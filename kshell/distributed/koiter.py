@@ -17,9 +17,12 @@ from numpy.typing import NDArray
 
 from kshell.distributed.matrix import Scattered
 from kshell.distributed.partition import partition
+from kshell.distributed.refuse import ALONE, INSTEAD
 from kshell.distributed.team import Team
 from kshell.equilibrium.energy import Energy, Linear, in_blocks
 from kshell.equilibrium.sparsity import Sparsity
+from kshell.errors import InputError
+from kshell.material.inelastic import Inelastic
 from kshell.mesh.mesh import Mesh
 from kshell.shell.koiter.discretisation import KoiterDiscretisation, KoiterRecovery
 from kshell.shell.koiter.edges import Directors, rest_directors
@@ -202,7 +205,9 @@ class PartedDiscretisation(KoiterDiscretisation):
         part = team.once(lambda: partition(mesh, team.size))
         self.members = [np.flatnonzero(part == rank) for rank in range(team.size)]
 
-    def energy(self, section: Section) -> PartedKoiter:
+    def energy(self, section: Section, inelastic: Inelastic | None = None) -> PartedKoiter:
+        if inelastic:
+            raise InputError(f"{ALONE} materials that yield (hardening) or relax (relaxation); {INSTEAD}")
         return PartedKoiter(self.team, self.members, self.surface, section)
 
     def recovery(

@@ -28,8 +28,9 @@ Floats = NDArray[np.float64]
 class Linear(NamedTuple):
     """Strains of a state and their first derivative."""
 
-    strain: Floats  # (triangle, r), less initial ones
+    strain: Floats  # (triangle, r), less initial and inelastic ones
     gradients: list[Floats]  # s' of each block: (triangle, r, n)
+    answers: list[Response] | None = None  # of each block, where the stress is not K s
 
     def after(self, step: Floats, unknowns: NDArray[np.int32], blocks: list[slice]) -> Floats:
         """s + s' step: (triangle, r)."""
@@ -37,6 +38,14 @@ class Linear(NamedTuple):
         for triangles, gradient in zip(blocks, self.gradients, strict=True):
             result[triangles] += np.matmul(gradient, step[unknowns[triangles], None])[:, :, 0]
         return result
+
+
+class Response(NamedTuple):
+    """What triangles answer to strains."""
+
+    value: float  # their energy
+    stress: Floats  # (triangle, r)
+    tangent: Floats | None = None  # (triangle, r, r) derivative of the stress; None: K
 
 
 class Energy(NamedTuple):
@@ -61,7 +70,8 @@ class StrainEnergy(ABC):
         Triangles worked on at a time; they bound the memory of intermediate arrays.
     rest : object
         Memory of the rest state: what the discretisation keeps of a state besides the unknowns (directors). None or a
-        dataclass of arrays; `settle` makes that of other states.
+        dataclass of arrays; `settle` makes that of other states. Its `inelastic` (triangle, r), if there, are strains
+        without stress that stay.
     """
 
     unknowns: int
@@ -86,10 +96,17 @@ class StrainEnergy(ABC):
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         """K times columns (triangle, r, k)."""
 
-    def settle(self, x: Floats, memory: Any, reduction: Reduction) -> tuple[Floats, Any]:
+    def _respond(self, strain: Floats, memory: Any, triangles: slice) -> Response:
+        """What triangles answer to strains (triangle, r), less initial and inelastic ones."""
+        stress = self._apply(triangles, strain[:, :, None])[:, :, 0]
+        return Response(0.5 * float(np.sum(strain * stress)), stress)
+
+    def settle(
+        self, x: Floats, memory: Any, reduction: Reduction, initial: Floats | None = None
+    ) -> tuple[Floats, Any]:
         """The same state as its memory takes up of it what it can: unknowns (unknowns,) that are left, and memory.
 
-        Nothing where there is no memory.
+        Nothing where there is no memory. `initial` as for `energy`.
         """
         return x, memory
 
@@ -159,31 +176,46 @@ class StrainEnergy(ABC):
         value = 0.0
         forces = np.zeros(self.triangle_unknowns.shape)
         room = self.sparsity.empty() if derivatives > 1 else None
+        free = inelastic_of(memory)
+        if free is not None:
+            initial = free if initial is None else initial + free
+        answers: list[Response] = []
         linear = Linear(np.empty((len(self.triangle_unknowns), self.strains)), [])
         for triangles in self.blocks:
             state = self._state(x, memory, triangles)
             strain = state.strain if initial is None else state.strain - initial[triangles]
-            mine = self._apply(triangles, strain[:, :, None])[:, :, 0]
-            value += 0.5 * float(np.sum(strain * mine))
+            answer = self._respond(strain, memory, triangles)
+            mine = answer.stress
+            value += answer.value
             if derivatives == 0:
                 continue
             gradient = self._gradient(state, triangles)
             forces[triangles] = np.matmul(mine[:, None, :], gradient)[:, 0]
             if room is not None:
-                matrices = self._product(gradient, triangles)
+                matrices = self._product(gradient, triangles, answer.tangent)
                 curved = self._geometric(state, mine if stress is None else stress[triangles], triangles)
                 matrices[:, : curved.shape[1], : curved.shape[1]] += curved
                 self.sparsity.put(room, triangles, _positive(matrices) if projected else matrices)
             linear.strain[triangles] = strain
             linear.gradients.append(gradient)
+            answers.append(answer)
         if derivatives == 0:
             return Energy(value)
+        if answers[0].tangent is not None:
+            linear = linear._replace(answers=answers)
         hessian = None if room is None else self.sparsity.matrix(room)
         return Energy(value, self._gather(forces), hessian, linear)
 
     def extrapolated_stress(self, linear: Linear, step: Floats) -> Floats:
         """K (s + s' step): the stress after a step if the strains were linear. (triangle, r)."""
-        return self.stress(linear.after(step, self.triangle_unknowns, self.blocks))
+        if linear.answers is None:
+            return self.stress(linear.after(step, self.triangle_unknowns, self.blocks))
+        parts = []
+        for triangles, gradient, answer in zip(self.blocks, linear.gradients, linear.answers, strict=True):
+            change = np.matmul(gradient, step[self.triangle_unknowns[triangles], None])
+            assert answer.tangent is not None
+            parts.append(answer.stress + np.matmul(answer.tangent, change)[:, :, 0])
+        return np.concatenate(parts)
 
     def forces(self, linear: Linear, stress: Floats) -> Floats:
         """s'^T stress: (unknowns,) forces in equilibrium with a stress (triangle, r)."""
@@ -230,8 +262,9 @@ class StrainEnergy(ABC):
             self.sparsity.put(room, triangles, matrices)
         return self.sparsity.matrix(room)
 
-    def _product(self, gradient: Floats, triangles: slice) -> Floats:
-        return np.matmul(gradient.swapaxes(1, 2), self._apply(triangles, gradient))
+    def _product(self, gradient: Floats, triangles: slice, tangent: Floats | None = None) -> Floats:
+        carried = self._apply(triangles, gradient) if tangent is None else np.matmul(tangent, gradient)
+        return np.matmul(gradient.swapaxes(1, 2), carried)
 
     def _gather(self, forces: Floats) -> Floats:
         """Sum of forces (triangle, n) on each unknown."""
@@ -243,6 +276,11 @@ def _positive(matrices: Floats) -> Floats:
     """Symmetric matrices (triangle, n, n) without their negative eigenvalues."""
     values, vectors = np.linalg.eigh(matrices)
     return np.asarray((vectors * np.maximum(values, 0.0)[:, None, :]) @ vectors.swapaxes(1, 2))
+
+
+def inelastic_of(memory: Any) -> Floats | None:
+    """(triangle, r) strains without stress that stay, None where nothing stays."""
+    return getattr(memory, "inelastic", None)
 
 
 def in_blocks(count: int, size: int) -> list[slice]:

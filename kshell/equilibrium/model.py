@@ -250,6 +250,11 @@ class FiniteModel(Model):
             If there is no such probe.
         """
 
+    @property
+    def yields(self) -> bool:
+        """Whether what a load leaves behind depends on the way it grew."""
+        return False
+
     def contact_surface(self) -> tuple[Floats, NDArray[np.integer]]:
         """(node, 3) places at rest, whose displacements are the first unknowns, and triangles through them.
 

@@ -164,7 +164,8 @@ class Problem:
 
     def settle(self, state: State) -> State:
         """The same state after its memory took up what it can of the unknowns."""
-        x, memory = self.energy.settle(state.x, state.memory, self.reduction)
+        initial = None if self.initial is None else state.factor * self.initial
+        x, memory = self.energy.settle(state.x, state.memory, self.reduction, initial)
         if memory is state.memory:
             return state
         return replace(state, x=x, memory=memory, turned=state.turned + (state.x - x))

@@ -21,6 +21,7 @@ from kshell.errors import InputError
 from kshell.material.elastic_constants import elastic_constants, require_positive
 from kshell.material.elastic_symmetry import stiffness, stiffness_matrix
 from kshell.material.expansion import ExpansionKey
+from kshell.material.inelastic import Hardening, Relaxation, require_yield_stress
 from kshell.values import kinds
 from kshell.values.validation import Number, described
 
@@ -70,9 +71,14 @@ class Isotropic:
     density : float [mass / length^3]
         Mass per volume.
     yield_stress : float, optional [force / length^2]
-        Against which von Mises stresses are held as `utilisation`.
+        Against which von Mises stresses are held as `utilisation`; with hardening the shell yields.
     expansion : float or [a1, a2], optional [1 / temperature]
         Coefficient of thermal expansion, along both axes of the material or along each; for temperature loads.
+    hardening : float or [isotropic, kinematic], optional [force / length^2]
+        Growth of the yield stress per plastic strain; with it the section yields as a whole, by Ilyushin's surface.
+    relaxation : list of [g, tau], optional [1, time]
+        Of a motion: parts g of the stiffness that are lost with the times tau (Prony series); what is given is the
+        stiffness against sudden strains.
 
     Raises
     ------
@@ -88,6 +94,7 @@ class Isotropic:
     density = 7850
     yield_stress = 235e6
     expansion = 1.2e-5
+    hardening = 2e9
 
     [group.web.material]
     lame_lambda = 1.2e11
@@ -102,6 +109,8 @@ class Isotropic:
     density: Number = 0.0
     yield_stress: Number | None = None
     expansion: ExpansionKey = None
+    hardening: Hardening = None
+    relaxation: Relaxation = None
 
     def __post_init__(self) -> None:
         pairs = {name: getattr(self, name) for name in ("E", "nu", "lame_lambda", "lame_mu")}
@@ -116,6 +125,7 @@ class Isotropic:
             object.__setattr__(self, name, constants[name])
         _require_density(self.density)
         _require_yield_stress(self.yield_stress)
+        require_yield_stress(self.hardening, self.yield_stress)
 
     @classmethod
     def from_constants(cls, density: float = 0.0, **two: float) -> Isotropic:
@@ -157,6 +167,9 @@ class Orthotropic:
         Against which von Mises stresses are held as `utilisation`.
     expansion : float or [a1, a2], optional [1 / temperature]
         Coefficient of thermal expansion, along both axes of the material or along each; for temperature loads.
+    relaxation : list of [g, tau], optional [1, time]
+        Of a motion: parts g of the stiffness that are lost with the times tau (Prony series); what is given is the
+        stiffness against sudden strains.
     G13, G23 : float, optional [force / length^2]
         Transverse shear moduli along the axes, > 0; G12 where they are not given. Only how much shear would add to the
         deflection, and shear stresses, hang on them.
@@ -175,6 +188,7 @@ class Orthotropic:
     density = 1600
     yield_stress = 900e6
     expansion = [-0.5e-6, 30e-6]
+    relaxation = [[0.2, 10.0], [0.1, 1000.0]]
     ```
     """
 
@@ -188,6 +202,7 @@ class Orthotropic:
     G23: Number | None = None
     yield_stress: Number | None = None
     expansion: ExpansionKey = None
+    relaxation: Relaxation = None
 
     def __post_init__(self) -> None:
         for name in ("E1", "E2", "G12", "G13", "G23"):
@@ -228,6 +243,9 @@ class Anisotropic:
         Against which von Mises stresses are held as `utilisation`.
     expansion : float or [a1, a2], optional [1 / temperature]
         Coefficient of thermal expansion, along both axes of the material or along each; for temperature loads.
+    relaxation : list of [g, tau], optional [1, time]
+        Of a motion: parts g of the stiffness that are lost with the times tau (Prony series); what is given is the
+        stiffness against sudden strains.
     angle : float [degrees]
         Degrees from the global x axis to material axis 1, counter-clockwise.
 
@@ -248,6 +266,7 @@ class Anisotropic:
     angle: Number = 0.0
     yield_stress: Number | None = None
     expansion: ExpansionKey = None
+    relaxation: Relaxation = None
     _stiffness: Any = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:

@@ -104,6 +104,11 @@ class Part(ABC):
             If it has none.
         """
 
+    @property
+    def materials(self) -> list[Any]:
+        """What it is made of, from the bottom up; empty where that is not known."""
+        return []
+
 
 class Homogeneous(Part):
     """One material through the thickness."""
@@ -148,6 +153,10 @@ class Homogeneous(Part):
         if a is None:
             raise InputError("the material has no expansion: give it beside E, or in the load")
         return of_one_material(a)
+
+    @property
+    def materials(self) -> list[Any]:
+        return [self.material]
 
 
 class Layered(Part):
@@ -197,6 +206,10 @@ class Layered(Part):
 
     def warming(self, expansion: Expansion | None) -> Warming:
         return of_layers(self.stack, expansion)
+
+    @property
+    def materials(self) -> list[Any]:
+        return [layer.material for layer in self.stack.layers]
 
 
 class Given(Part):

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.material.by_group import parts_of
+from kshell.material.inelastic import Inelastic, relaxation_of, yielding_of
 from kshell.material.laminate import require_symmetric
 from kshell.material.part import Part
 from kshell.material.thermal import Expansion
@@ -181,6 +182,27 @@ class Section:
             found = self.parts[number].warming(expansion)
             free[number], left[number] = np.concatenate([found.strain, found.curvature]), found.faces
         return free[mine], left[mine]
+
+    def inelastic(self) -> Inelastic:
+        """What the shell remembers of its past.
+
+        Raises
+        ------
+        InputError
+            If parts differ in it, or layers harden, or a material relaxes and yields.
+        """
+        relaxation = relaxation_of(material for part in self.parts for material in (part.materials or [None]))
+        for part in self.parts:
+            if len(part.materials) > 1 and any(getattr(m, "hardening", None) for m in part.materials):
+                raise InputError(
+                    f"{part.what}: layers do not yield: sections yield as a whole, of one material; leave hardening out"
+                )
+        single = [part.materials[0] if len(part.materials) == 1 else None for part in self.parts]
+        every = np.arange(len(self._mesh.triangles))
+        yielding = yielding_of(single, self._part, self.thickness(every, self._centroids[:, None])[:, 0])
+        if relaxation and yielding is not None:
+            raise InputError("material: hardening and relaxation given: leave one of them out")
+        return Inelastic(relaxation, yielding)
 
     @property
     def moduli(self) -> list[Floats]:

@@ -123,6 +123,8 @@ class Structure:
         Added ones, one for each name.
     touching : bool
         Whether it touches itself or obstacles.
+    elastic : bool
+        Whether materials are taken as elastic, whatever they remember of their past.
     """
 
     space: Mesh
@@ -139,6 +141,7 @@ class Structure:
     movable: bool = False
     masses: tuple[Placed[Mass], ...] = ()
     touching: bool = False
+    elastic: bool = False
 
     def on(self, space: Mesh) -> Structure:
         """The same with vertices moved."""

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.energy import StrainEnergy
 from kshell.equilibrium.reduction import Reduction
+from kshell.material.inelastic import Inelastic
 from kshell.mesh.select import Selection
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
@@ -77,8 +78,8 @@ class Discretisation(ABC):
     unknowns: int
 
     @abstractmethod
-    def energy(self, section: Section) -> StrainEnergy:
-        """The energy with a cross-section."""
+    def energy(self, section: Section, inelastic: Inelastic | None = None) -> StrainEnergy:
+        """The energy with a cross-section, and with what it remembers of its past."""
 
     def warnings(self) -> list[str]:
         """What the user should know about it."""

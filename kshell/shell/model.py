@@ -201,6 +201,7 @@ class ShellModel(FiniteModel):
         arrays = [problem.space.points, problem.space.triangles, problem.load, problem.reduction.given]
         arrays += [basis.indptr, basis.indices, basis.data, problem.energy.stiffness]
         arrays += [strain for _, strain in problem.loads.strains]
+        digest.update(repr(self.structure.section.inelastic()).encode())
         for array in arrays:
             digest.update(np.ascontiguousarray(array).tobytes())
         return digest.hexdigest()

@@ -66,7 +66,9 @@ class ShellProblem:
     def __init__(self, structure: Structure, discretisation: Discretisation) -> None:
         self.structure, self.space, self.section = structure, structure.space, structure.section
         self.discretisation = discretisation
-        self.energy: Any = discretisation.energy(self._stiffness())
+        self.energy: Any = discretisation.energy(
+            self._stiffness(), None if structure.elastic else self.section.inelastic()
+        )
         self.supports: ShellSupports = apply_supports(structure.supports, self.space, discretisation)
         self.loads: ShellLoads = apply_loads(structure, discretisation, self.energy, self.supports.links)
         self.reduction: Reduction = with_links(self.supports.conditions.reduction(), self.supports.links)

@@ -5,7 +5,8 @@ Viscosity. A material of Kelvin and Voigt has the stress K (e + tau de/dt) with 
 
     (1 + q) K (e1 - q / (1 + q) e0):
 
-a stiffer material with another strain free of stress. It resists changes of the strains, so turning as a rigid body
+a stiffer material with another strain free of stress, K (c e1 - f).
+It resists changes of the strains, so turning as a rigid body
 is not damped.
 
 Energy and momentum. With the strains of both ends, s' their derivative in the middle xm = (x0 + x1) / 2, the forces
@@ -18,12 +19,14 @@ and Tarnow, ZAMP 43, 1992); that of bending up to terms of the third order in th
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.energy import Energy, StrainEnergy
+from kshell.equilibrium.energy import Energy, StrainEnergy, inelastic_of
+from kshell.equilibrium.reduction import Reduction
 
 Floats = NDArray[np.float64]
 
@@ -47,8 +50,29 @@ class OfStep:
         return getattr(self.material, name)
 
 
-class Viscous(OfStep):
-    """The energy whose stress is that of a viscous material at the end of the step."""
+class Shifted(OfStep):
+    """The energy of a stress K (c e1 - f) at the end of the step, with the elastic strain e1 there.
+
+    Parameters
+    ----------
+    material : StrainEnergy
+    strain : (triangle, r)
+        e0.
+    viscosity : float
+        q.
+    fading : Fading, optional
+        Of a material whose stress relaxes.
+    """
+
+    def __init__(
+        self, material: StrainEnergy, strain: Floats, viscosity: float, fading: Fading | None = None
+    ) -> None:
+        super().__init__(material, strain, viscosity)
+        self.fading = fading
+        self.scale = viscosity + (1.0 if fading is None else fading.scale)  # c
+        self.shift = viscosity * strain  # f
+        if fading is not None:
+            self.shift = self.shift + fading.shift
 
     def energy(
         self,
@@ -60,15 +84,83 @@ class Viscous(OfStep):
         projected: bool = False,
     ) -> Energy:
         """As `StrainEnergy.energy`."""
-        scale = 1.0 + self.viscosity
-        free = self.viscosity / scale * self.strain
+        free = self.shift / self.scale
         if initial is not None:
             free = free + initial
+        stays = inelastic_of(memory)
+        if stays is not None:
+            free = free - stays  # which the material takes off by itself
         found = self.material.energy(x, derivatives, memory, stress, free, projected)
-        gradient = None if found.gradient is None else scale * found.gradient
+        gradient = None if found.gradient is None else self.scale * found.gradient
         if found.hessian is not None:
-            found.hessian.data *= scale
-        return found._replace(value=scale * found.value, gradient=gradient)
+            found.hessian.data *= self.scale
+        return found._replace(value=self.scale * found.value, gradient=gradient)
+
+    def settle(
+        self, x: Floats, memory: Any, reduction: Reduction, initial: Floats | None = None
+    ) -> tuple[Floats, Any]:
+        """As `StrainEnergy.settle`; the material fades, too."""
+        x, memory = self.material.settle(x, memory, reduction, initial)
+        if self.fading is None:
+            return x, memory
+        strain = self.material.strain(x, memory)
+        return x, self.fading.settled(memory, strain if initial is None else strain - initial)
+
+
+class Fading:
+    """How the stress of a material relaxes in one step, as its strain grows in proportion to the time.
+
+    Of each term of the Prony series the strain q that has not relaxed yet, with the time tau:
+
+        q1 = d q0 + w (e1 - e0),   d = exp(-h / tau),   w = (1 - d) tau / h,
+
+    which is exact (Simo and Hughes, Computational Inelasticity, 1998, section 10.3), and the stress is
+    K ((1 - sum g) e1 + sum g q1). In the first step the strain is taken to jump at its begin, w = d, as under a
+    load that is there at once.
+
+    Parameters
+    ----------
+    material : StrainEnergy
+        With its `relaxation`.
+    memory : Remembered
+        At the start of the step.
+    step : float
+    first : bool
+    """
+
+    def __init__(self, material: Any, memory: Any, step: float, first: bool) -> None:
+        self.material, self.step = material, step
+        self.share = np.array([g for g, _ in material.relaxation])
+        self.time = np.array([tau for _, tau in material.relaxation])
+        self.decay = np.exp(-step / self.time)  # d
+        self.weight = self.decay if first else -np.expm1(-step / self.time) * self.time / step  # w
+        self.before, self.strain = memory.inner[:-1], memory.inner[-1]
+        self.scale = float(1.0 - self.share.sum() + self.share @ self.weight)
+        self.shift = (self.share @ self.weight) * self.strain - np.einsum(
+            "k,ktr->tr", self.share * self.decay, self.before
+        )
+
+    def settled(self, memory: Any, strain: Floats) -> Any:
+        """The memory at the end of the step, with an elastic strain (triangle, r)."""
+        change = strain - self.strain
+        begun = self.before + (1.0 if self.weight is self.decay else 0.0) * change
+        left = self.decay[:, None, None] * self.before + self.weight[:, None, None] * change
+        lost = memory.lost.copy()
+        for g, tau, start, end in zip(self.share, self.time, begun, left, strict=True):
+            for part in (start, end):
+                energy = np.sum(part * self.material.stress(part), axis=1)
+                lost += 0.5 * g * min(self.step / tau, 1.0) * energy
+        crept = np.einsum("k,ktr->tr", self.share, strain - left)
+        return replace(memory, inelastic=crept, inner=np.concatenate([left, strain[None]]), lost=lost)
+
+
+def stored(material: Any, memory: Any) -> float:
+    """Energy that a material that relaxes stores in a settled state, which it could give back at once."""
+    total = 0.0
+    share = [g for g, _ in material.relaxation]
+    for g, part in zip([1.0 - sum(share), *share], [memory.inner[-1], *memory.inner[:-1]], strict=True):
+        total += 0.5 * g * float(np.sum(part * material.stress(part)))
+    return total
 
 
 class Middle(OfStep):

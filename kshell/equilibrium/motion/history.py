@@ -87,7 +87,7 @@ class Observer:
             if barrier is not None:
                 work += barrier.work(before.pressing, pressing, before.motion.time, motion.time)
             damping = 0.5 * (before.motion.damping + motion.damping)
-            dissipated = last[4] + float(damping @ moved)
+            dissipated = last[4] + float(damping @ moved) + _lost(motion) - _lost(before.motion)
             share = self.integrator.end_share
             impulse = last[11:14] + step * ((1.0 - share) * before.net + share * seen.net)
         row = [motion.time, 0.5 * float(motion.velocity @ moving), motion.strain_energy, work, dissipated]
@@ -128,6 +128,12 @@ class Observer:
                 name: values[:, start + 3 * k : start + 3 * k + 3] for k, name in enumerate(names)
             }
         return out
+
+
+def _lost(motion: Motion) -> float:
+    """Energy that the material dissipated so far."""
+    lost = getattr(motion.state.memory, "lost", None)
+    return 0.0 if lost is None else float(lost.sum())
 
 
 def balance(table: Mapping[str, Any]) -> float:

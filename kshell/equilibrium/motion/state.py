@@ -48,7 +48,7 @@ class Motion:
     strain_energy : float
         That of springs with it.
     strain : (triangle, r)
-        Elastic strain.
+        Less initial ones.
     before : Before, optional
     """
 

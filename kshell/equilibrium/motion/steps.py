@@ -15,8 +15,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.contact.barrier import Barrier
+from kshell.equilibrium.energy import inelastic_of
 from kshell.equilibrium.minimise import minimise
-from kshell.equilibrium.motion.energies import Middle, Viscous
+from kshell.equilibrium.motion.energies import Fading, Middle, Shifted, stored
 from kshell.equilibrium.motion.schemes import Alpha, Bdf2, Euler, Scheme, earlier
 from kshell.equilibrium.motion.state import Before, Motion
 from kshell.equilibrium.newton import correct
@@ -65,6 +66,7 @@ class Integrator:
         self.scheme: Scheme | None = None if scheme == ENERGY_MOMENTUM else SCHEMES[scheme]()
         self.massive = self.mass.diagonal() > 0.0
         self._kept: dict[str, Any] = {}
+        self._relaxes = bool(getattr(loaded(0.0).energy, "relaxation", ()))
         self._basis = loaded(0.0).reduction.basis
         reduced = (self._basis.T @ self.mass @ self._basis).tocsc()
         self._moving = np.flatnonzero(reduced.diagonal() > 0.0)
@@ -116,8 +118,11 @@ class Integrator:
         coefficient = rule.w * rule.c + self.drag * rule.d
         known = self.mass @ (rule.w * rule.acceleration + self.drag * rule.velocity) + rule.rest
         energy: Any = problem.energy
-        if self.viscosity:
-            energy = Viscous(energy, motion.strain, self.viscosity / size)
+        fading = None
+        if self._relaxes:
+            fading = Fading(problem.energy, motion.state.memory, size, motion.before is None)
+        if self.viscosity or fading is not None:
+            energy = Shifted(energy, motion.strain, self.viscosity / size, fading)
         found = self._correct(problem, motion, energy, problem.springs, coefficient, known, size)
         moved = found.x + (found.turned - motion.state.turned)
         velocity = np.where(self.massive, rule.d * moved - rule.velocity, 0.0)
@@ -209,9 +214,14 @@ class Integrator:
         """The motion at the end of a step that began with an elastic strain (triangle, r)."""
         energy = problem.energy.energy(state.x, 1, state.memory, None, problem.initial)
         internal, value = energy.gradient, energy.value
+        strains, stays = energy.linear.strain, inelastic_of(state.memory)
+        if stays is not None:
+            strains = strains + stays
+        if self._relaxes:
+            value = stored(problem.energy, state.memory)
         damping = self.drag * (self.mass @ velocity)
         if self.viscosity and before is not None:
-            rate = (energy.linear.strain - strain) / before.step
+            rate = (strains - strain) / before.step
             stress = problem.energy.stress(self.viscosity * rate)
             damping = damping + problem.energy.forces(energy.linear, stress)
         load = problem.load
@@ -222,7 +232,6 @@ class Integrator:
             internal, value = internal + pull, value + 0.5 * float(state.x @ pull)
         contact = np.zeros_like(load) if self.barrier is None else -self.barrier.gradient(state.x)
         force = np.where(self.massive, load + contact - internal - damping, 0.0)
-        strains = energy.linear.strain
         return Motion(
             time, state, velocity, acceleration, force, load, damping, contact, value, strains, before
         )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
+from kshell.material.inelastic import Inelastic
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.shell.chart import loads as chart_loads
@@ -69,8 +70,18 @@ class ArgyrisDiscretisation(Discretisation):
         self.surface = ChartSurface(mesh, chart, lines)
         self.unknowns = self.surface.unknowns
 
-    def energy(self, section: Section) -> ChartKoiter:
-        """The energy with a cross-section."""
+    def energy(self, section: Section, inelastic: Inelastic | None = None) -> ChartKoiter:
+        """The energy with a cross-section.
+
+        Raises
+        ------
+        InputError
+            If it yields or relaxes.
+        """
+        if inelastic:
+            raise InputError(
+                f"materials that yield (hardening) or relax (relaxation) are not for this element: {USE_KOITER}"
+            )
         return ChartKoiter(self.surface, section)
 
     def initial_strain(self, energy: ChartKoiter, state: StressFree, triangles: Ints) -> Floats:

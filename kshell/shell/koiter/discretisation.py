@@ -13,7 +13,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.energy import inelastic_of
 from kshell.equilibrium.reduction import Reduction
+from kshell.material.inelastic import Inelastic
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.shell.discretisation import Conditions, Discretisation
@@ -32,9 +34,11 @@ from kshell.shell.koiter.loads import (
 from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.reactions import rotation_axes
 from kshell.shell.koiter.recovery import displacement, energies, resultants
+from kshell.shell.koiter.relaxing import RelaxingKoiter
 from kshell.shell.koiter.supports import Supports
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.koiter.topology import largest_curvature, smooth_patches
+from kshell.shell.koiter.yielding import YieldingKoiter
 from kshell.shell.reference import lagrange
 from kshell.shell.resultants import Resultants
 from kshell.shell.scatter import along_directions, scattered
@@ -87,8 +91,12 @@ class KoiterDiscretisation(Discretisation):
         self.order = order
         self.unknowns = self.surface.unknowns
 
-    def energy(self, section: Section) -> Koiter:
-        """The energy with a cross-section."""
+    def energy(self, section: Section, inelastic: Inelastic | None = None) -> Koiter:
+        """The energy with a cross-section, and with what it remembers of its past."""
+        if inelastic is not None and inelastic.yielding is not None:
+            return YieldingKoiter(self.surface, section, inelastic.yielding)
+        if inelastic is not None and inelastic.relaxation:
+            return RelaxingKoiter(self.surface, section, inelastic.relaxation)
         return Koiter(self.surface, section)
 
     def initial_strain(self, energy: Koiter, state: StressFree, triangles: Ints) -> Floats:
@@ -297,6 +305,9 @@ class KoiterRecovery:
         self.koiter, self.x, self.finite = koiter, x, finite
         strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
         self._total = strain
+        inelastic = inelastic_of(memory)
+        if finite and inelastic is not None:
+            initial = inelastic if initial is None else initial + inelastic
         self.strain = strain if initial is None else strain - initial
         self._stress: Floats | None = None
         self._total_stress: Floats | None = None

@@ -9,7 +9,7 @@ Everything here is kept at the Gauss points of the edges: `rotation` numbers the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,4 +111,4 @@ def turn_directors(
     result = x.copy()
     result[surface.rotation_start :] -= turned
     angle = angle + sign * turned[surface.triangle_rotations]
-    return result, Directors(d, u.copy(), angle)
+    return result, replace(directors, vectors=d, base=u.copy(), angle=angle)

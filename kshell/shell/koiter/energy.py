@@ -198,7 +198,9 @@ class Koiter(StrainEnergy):
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
         return np.matmul(self.stiffness[triangles], columns)
 
-    def settle(self, x: Floats, memory: Directors, reduction: Reduction) -> tuple[Floats, Directors]:
+    def settle(
+        self, x: Floats, memory: Directors, reduction: Reduction, initial: Floats | None = None
+    ) -> tuple[Floats, Directors]:
         """Directors take up the rotations, but for prescribed ones."""
         return turn_directors(self.surface, memory, x, reduction.rotations)
 

@@ -13,6 +13,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.scene.on_chart import lifted
 from kshell.scene.structure import Structure
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
+from kshell.shell.koiter.yielding import YieldingKoiter
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.reference import subdivision
@@ -61,6 +62,10 @@ class KoiterModel(ShellModel):
 
     def _discretised(self, *given: Any) -> KoiterDiscretisation:
         return KoiterDiscretisation(*given)
+
+    @property
+    def yields(self) -> bool:
+        return isinstance(self.problem.energy, YieldingKoiter)
 
     def contact_surface(self) -> tuple[Floats, NDArray[np.integer]]:
         surface = self.problem.discretisation.surface
