@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         Temperature,
         Traction,
     )
+    from kshell.scene.mapped import Mapped
     from kshell.scene.masses import Mass
     from kshell.scene.motion import Damping, InitialVelocity
     from kshell.scene.scene import Scene
@@ -80,6 +81,7 @@ __all__ = [
     "Layer",
     "Line",
     "LineForce",
+    "Mapped",
     "Mass",
     "Mesh",
     "Obstacle",
@@ -163,6 +165,7 @@ _LAZY = {
     "buckling": "kshell.analysis.solve",
     "converge": "kshell.analysis.converge",
     "sweep": "kshell.analysis.sweep",
+    "Mapped": "kshell.scene.mapped",
     "Mass": "kshell.scene.masses",
     "mac": "kshell.result.mac",
 }

@@ -33,6 +33,7 @@ def build_model(structure: Structure, options: SolveOptions) -> Model:
     if options.analysis == "dynamic":
         structure = structure.at_time(0.0)
     choice = choose_model(structure, options)
+    choice = replace(choice, reasons=(*choice.reasons, *structure.notes))
     team = team_of(options.solver)
     analysed = as_analysed(structure, choice, options)
     model = model_as(analysed, choice) if team is None else model_of_team(team, analysed, choice)

@@ -20,6 +20,7 @@ from kshell.scene.reading import (
     each_block,
     group_from_dict,
     imperfection_from_dict,
+    in_folder,
     initial_from_dict,
     inside,
     layer_from_dict,
@@ -105,7 +106,9 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
         with inside(f"{source}, [imperfection]", "imperfection: "):
             arguments["imperfection"] = imperfection_from_dict(table_of(data["imperfection"]), folder)
     arguments["supports"] = each_block(data.get("support", []), "support", source, support_from_dict)
-    arguments["loads"] = each_block(data.get("load", []), "load", source, load_from_dict)
+    arguments["loads"] = each_block(
+        data.get("load", []), "load", source, lambda block: load_from_dict(in_folder(block, folder))
+    )
     arguments["probes"] = probes_from_blocks(data.get("probe", []), source)
     arguments["cases"] = each_block(data.get("case", []), "case", source, lambda block: Case(**block))
     arguments["combinations"] = each_block(

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator
 
 from kshell.errors import InputError
 from kshell.scene.places import (
+    MappedScalar,
     On,
     Place,
     ScalarExpansion,
@@ -141,7 +142,7 @@ class Pressure(Load):
     Attributes
     ----------
     value : scalar [force / length^2]
-        Along the normal; against it where negative.
+        Along the normal; against it where negative. A field of a file keeps the integral it has there.
     follower : bool
         Whether it turns with the surface under large deflections.
 
@@ -452,8 +453,8 @@ class Temperature(Load):
 
     kind: ClassVar[str] = "temperature"
     scaling: ClassVar[tuple[str, ...]] = ("mean", "gradient")
-    mean: ScalarValue = 0.0
-    gradient: ScalarValue = 0.0
+    mean: MappedScalar = 0.0
+    gradient: MappedScalar = 0.0
     expansion: ScalarExpansion = None
     on: On | None = None
     fixed: Flag = False

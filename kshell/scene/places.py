@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError, clipped
 from kshell.material.expansion import as_expansion
+from kshell.scene.mapped import Mapped
 from kshell.values import kinds
 from kshell.values.expression import NORMAL, PLACE, Expression
 from kshell.values.time import TIME
@@ -114,6 +115,15 @@ def as_scalar(value: Any, names: tuple[str, ...] = (*PLACE, TIME)) -> Any:
     raise ValueError("must be a number, an expression in x, y, z, or a function f(x, y, z)")
 
 
+def _scalar_or_file(value: Any, names: tuple[str, ...] = (*PLACE, TIME)) -> Any:
+    if isinstance(value, Mapping):
+        try:
+            return Mapped(**value)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+    return as_scalar(value, names)
+
+
 def _as_vector(value: Any, names: tuple[str, ...] = (*PLACE, TIME)) -> Any:
     if callable(value):
         return value
@@ -144,9 +154,14 @@ VectorValue = Annotated[Any, BeforeValidator(_as_vector), WithJsonSchema(kinds.V
 ON_SURFACE = (*PLACE, *NORMAL, TIME)
 
 SurfaceScalar = Annotated[
-    Any, BeforeValidator(partial(as_scalar, names=ON_SURFACE)), WithJsonSchema(kinds.SCALAR)
+    Any,
+    BeforeValidator(partial(_scalar_or_file, names=ON_SURFACE)),
+    WithJsonSchema(kinds.SCALAR_OR_FILE),
 ]
-"""A number, an expression in x, y, z and the normal nx, ny, nz, or a function."""
+"""A number, an expression in x, y, z and the normal nx, ny, nz, a field of a file, or a function."""
+
+MappedScalar = Annotated[Any, BeforeValidator(_scalar_or_file), WithJsonSchema(kinds.SCALAR_OR_FILE)]
+"""A number, an expression in x, y, z, a field of a file, or a function."""
 
 SurfaceVector = Annotated[
     Any, BeforeValidator(partial(_as_vector, names=ON_SURFACE)), WithJsonSchema(kinds.VECTOR)

@@ -137,6 +137,16 @@ def support_from_dict(data: dict[str, Any]) -> Any:
     return Fixed(**data)
 
 
+def in_folder(block: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """A block whose values that are files are in the folder, if their paths are relative."""
+    return {
+        key: {**value, "file": folder / value["file"]}
+        if isinstance(value, Mapping) and isinstance(value.get("file"), str) and value["file"]
+        else value
+        for key, value in block.items()
+    }
+
+
 def load_from_dict(data: dict[str, Any]) -> Any:
     """A load: `kind` and the keys of that kind."""
     kind = data.pop("kind", None)

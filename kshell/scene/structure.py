@@ -19,7 +19,8 @@ from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
-from kshell.scene.loads import Load, PointForce, PointMoment, Temperature
+from kshell.scene.loads import Load, PointForce, PointMoment, Pressure, Temperature
+from kshell.scene.mapped import Mapped, keep_resultant
 from kshell.scene.masses import Mass
 from kshell.scene.normals import with_normals
 from kshell.scene.on_chart import mesh_in_space
@@ -125,6 +126,8 @@ class Structure:
         Whether it touches itself or obstacles.
     elastic : bool
         Whether materials are taken as elastic, whatever they remember of their past.
+    notes : tuple of str
+        What was made of its values, in words.
     """
 
     space: Mesh
@@ -142,6 +145,7 @@ class Structure:
     masses: tuple[Placed[Mass], ...] = ()
     touching: bool = False
     elastic: bool = False
+    notes: tuple[str, ...] = ()
 
     def on(self, space: Mesh) -> Structure:
         """The same with vertices moved."""
@@ -188,6 +192,7 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     for placed in loads:
         if isinstance(placed.item, Temperature):
             require_expansions(placed.item, section, placed.members(space))
+    loads, notes = _from_files(loads, space)
     return Structure(
         space,
         mesh,
@@ -203,7 +208,20 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
         masses=masses,
         movable=scene.contact is not None,  # until it touches what holds it
         touching=scene.contact is not None,
+        notes=tuple(notes),
     )
+
+
+def _from_files(loads: Iterable[Placed[Load]], space: Mesh) -> tuple[tuple[Placed[Load], ...], list[str]]:
+    """Loads, with the resultants that the files of mapped pressures have, and words about them."""
+    out, notes = [], []
+    for placed in loads:
+        if isinstance(placed.item, Pressure) and isinstance(placed.item.value, Mapped):
+            item, words = keep_resultant(placed.item, space, placed.members(space))
+            placed = replace(placed, item=item)
+            notes.append(words)
+        out.append(placed)
+    return tuple(out), notes
 
 
 def _directions(given: Any, mesh: Mesh) -> Floats | None:

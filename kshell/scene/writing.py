@@ -182,6 +182,10 @@ def save_scene(scene: Scene, path: str | os.PathLike[str]) -> list[str]:
             _relocate(data, key.split("."), target.parent)
         for body in data.get("contact", {}).get("with", []):
             _relocate(body, ["file"], target.parent)
+        for load in data.get("load", []):
+            for value in load.values():
+                if isinstance(value, dict):
+                    _relocate(value, ["file"], target.parent)
         _require_text(data, "")
         target.write_text(tomli_w.dumps(data), encoding="utf-8")
     except OSError as error:

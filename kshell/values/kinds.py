@@ -46,7 +46,14 @@ def matrix(size: int) -> Schema:
     return listed(listed(NUMBER, size, size), size, size)
 
 
+FROM_FILE: Schema = {
+    "type": "object",
+    "properties": {"file": PATH, "field": TEXT, "within": POSITIVE},
+    "required": ["file"],
+    "additionalProperties": False,
+}
 SCALAR = either(NUMBER, EXPRESSION)
+SCALAR_OR_FILE = either(NUMBER, EXPRESSION, FROM_FILE)
 VECTOR = listed(SCALAR, 3, 3)
 POINT = listed(NUMBER, 2, 3)
 DIRECTION = listed(NUMBER, 2, 3)
