@@ -10,9 +10,17 @@ from numpy.typing import NDArray
 
 from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.select import Selection
 from kshell.mesh.words import place
-from kshell.scene.loads import NEGLIGIBLE, EdgeMoment, LineForce, Load
+from kshell.scene.loads import (
+    NEGLIGIBLE,
+    EdgeMoment,
+    InitialCurvature,
+    InitialStrain,
+    Load,
+    PointMoment,
+    Pressure,
+    Temperature,
+)
 from kshell.scene.supports import Elastic, Free, SimplySupported, Support
 from kshell.scene.turns import wrong_turns
 
@@ -64,38 +72,74 @@ def _middle(space: Mesh, dimension: int, member: int) -> Floats:
     return np.asarray(space.points[(space.edges if dimension == 1 else space.triangles)[member]].mean(axis=0))
 
 
-def _lost(load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, flat: bool) -> Iterator[str]:
-    """A load on curves that supports hold altogether along it: it goes into them and deforms nothing."""
-    item, chosen = load.item, load.place
-    turns = isinstance(item, EdgeMoment)
-    if chosen is None or not isinstance(item, LineForce | EdgeMoment):
+def lost_at_points(load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, flat: bool) -> str:
+    """What a load at points does that goes straight into supports, in words; its reaction is asked for, perhaps."""
+    return next(_lost(load, supports, space, flat, (0,)), "")
+
+
+def _lost(
+    load: Placed[Load],
+    supports: Sequence[Placed[Support]],
+    space: Mesh,
+    flat: bool,
+    dimensions: tuple[int, ...] = (1, 2),
+) -> Iterator[str]:
+    """A load where supports hold altogether what it pushes along: it goes into them and deforms nothing.
+
+    Springs give way, so loads on them do deform something.
+    """
+    item = load.item
+    if isinstance(item, Temperature | InitialCurvature | InitialStrain):
         return
+    if _dimension(load) not in dimensions:
+        return
+    turns = isinstance(item, EdgeMoment | PointMoment)
+    # what turns about any axis is held where the place is, too; what pushes along a normal that varies, along all axes
+    needed = (
+        ""
+        if isinstance(item, EdgeMoment) or not (turns or isinstance(item, Pressure))
+        else "z"
+        if flat
+        else "xyz"
+    )
     for letter, axis in _directions(supports, turns):
-        if not turns:
-            value = item.at(load.vertices(space))
-            if np.abs(value @ axis).max(initial=0.0) <= NEGLIGIBLE * np.abs(value).max(initial=0.0):
-                continue
-        holders = [p for p in supports if p.link is None and _holds(p.item, letter, axis, flat)]
-        found = [_within(p.place, chosen, space) for p in holders if p.place is not None]
-        if found and np.isin(chosen.members, np.concatenate(found)).all():
-            first = next(
-                p for p, part in zip(holders, found, strict=True) if np.isin(part, chosen.members).any()
-            )
-            along = (
-                "turns the edge, whose rotation"
-                if turns
-                else f"acts along {_axis_words(letter, axis)}, which"
-            )
-            yield (
-                f"{item} {along} {first.item} holds there: it would go straight into the support and deform nothing; "
-                + (
-                    'leave r out of what is held, e.g. kind = "simply_supported"'
-                    if turns
-                    else "hold the other freedoms only, e.g. fix = "
-                    f'"{"".join(c for c in "xyzr" if c != letter)}", or leave the load out'
-                )
-            )
-            return
+        if not turns and not _pushes(load, axis, space):
+            continue
+        holders = [p for p in supports if p.link is load.link and _holds(p.item, letter, axis, flat)]
+        holders = [p for p in holders if set(needed) <= set(p.item.freedoms)]
+        chosen = load.members(space)
+        found = [_within(p, load, space) for p in holders]
+        if not found or not np.isin(chosen, np.concatenate(found)).all():
+            continue
+        first = next(p for p, part in zip(holders, found, strict=True) if np.isin(part, chosen).any())
+        yield _lost_words(item, first.item, letter, axis)
+        return
+
+
+def _lost_words(load: Load, support: Support, letter: str, axis: Floats) -> str:
+    if letter == "r":
+        turned = "the edge" if isinstance(load, EdgeMoment) else "a place"
+        along = f"turns {turned}, whose rotation"
+        mend = 'leave r out of what is held, e.g. kind = "simply_supported"'
+    else:
+        direction = "the normal" if isinstance(load, Pressure) else _axis_words(letter, axis)
+        along = f"acts along {direction}, which"
+        others = "".join(c for c in "xyzr" if c != letter)
+        mend = f'hold the other freedoms only, e.g. fix = "{others}", or leave the load out'
+    return f"{load} {along} {support} holds there: it would go straight into the support and deform nothing; {mend}"
+
+
+def _dimension(load: Placed[Load]) -> int:
+    """Of the place it acts on; the point of a link is one."""
+    return 0 if load.link is not None else 2 if load.place is None else load.place.dimension
+
+
+def _pushes(load: Placed[Load], axis: Floats, space: Mesh) -> bool:
+    """Whether a load has a part along an axis."""
+    if isinstance(load.item, Pressure):  # along the normal, which is z where only z need be held
+        return abs(axis[2]) > NEGLIGIBLE
+    value = load.item.at(load.vertices(space))
+    return bool(np.abs(value @ axis).max(initial=0.0) > NEGLIGIBLE * np.abs(value).max(initial=0.0))
 
 
 def _directions(supports: Sequence[Placed[Support]], turns: bool) -> Iterator[tuple[str, Floats]]:
@@ -123,13 +167,19 @@ def _holds(support: Any, letter: str, axis: Floats, flat: bool) -> bool:
     return letter == "r" or bool(np.abs(own["xyz".index(letter)] @ axis) > 1.0 - 1e-9)
 
 
-def _within(held: Selection, chosen: Selection, space: Mesh) -> Ints:
-    """Edges that a support holds."""
-    if held.dimension < chosen.dimension:
+def _within(held: Placed[Support], load: Placed[Load], space: Mesh) -> Ints:
+    """Vertices, edges or triangles, as the load has them, that a support holds."""
+    if held.link is not None:  # the point of a link, which the load is on
+        return load.members(space)
+    dimension = _dimension(load)
+    if held.place is None or held.place.dimension < dimension:
         return np.zeros(0, dtype=np.int64)
-    if held.dimension == chosen.dimension:
-        return held.members
-    return np.unique(space.triangle_edges[held.members])
+    members = held.place.members
+    if held.place.dimension == dimension:
+        return members
+    if dimension == 1:
+        return np.unique(space.triangle_edges[members])
+    return np.unique((space.edges if held.place.dimension == 1 else space.triangles)[members])
 
 
 def _axis_words(letter: str, axis: Floats) -> str:

@@ -6,7 +6,7 @@ made here, and nowhere else.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Generic, TypeVar, cast
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from kshell.errors import InputError, clipped
 from kshell.material.by_group import per_triangle
 from kshell.material.section import Section, shell_section
+from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
@@ -26,7 +27,7 @@ from kshell.scene.normals import with_normals
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point, ProbePoint
 from kshell.scene.scene import Scene
-from kshell.scene.sense import contradictions
+from kshell.scene.sense import contradictions, lost_at_points
 from kshell.scene.supports import Clamped, Fixed, RigidLink, Support
 from kshell.scene.thermal import require_expansions
 from kshell.values.time import at_time, depends_on_time
@@ -188,6 +189,7 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     for name, point in scene.probes.items():
         if isinstance(point, ProbePoint):
             select(space, point.on, dimensions=(2,), what=f'probe "{name}"')
+    loads = tuple(_warned(placed, supports, space, moving) for placed in loads)
     section = shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
     for placed in loads:
         if isinstance(placed.item, Temperature):
@@ -222,6 +224,16 @@ def _from_files(loads: Iterable[Placed[Load]], space: Mesh) -> tuple[tuple[Place
             notes.append(words)
         out.append(placed)
     return tuple(out), notes
+def _warned(
+    load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, moving: bool
+) -> Placed[Load]:
+    """A load, with a warning beside its place where it acts at points that supports hold along it."""
+    now = load.at_time(0.0) if moving else load
+    words = lost_at_points(now, supports, space, is_flat(space.points))
+    if not words or load.place is None:
+        return load
+    warning = words if load.place.warning is None else f"{load.place.warning}; {words}"
+    return replace(load, place=replace(load.place, warning=warning))
 
 
 def _directions(given: Any, mesh: Mesh) -> Floats | None:

@@ -34,6 +34,9 @@ def structure_of(supports, loads, mesh="unit_square"):
             "turns the edge, whose rotation support clamped",
         ),
         ([ks.SimplySupported("left")], [ks.LineForce("left", (0, 0, 1))], "acts along z"),
+        ([ks.Clamped("plate")], [ks.Pressure(1.0)], "acts along the normal, which support clamped"),
+        ([ks.SimplySupported("plate")], [ks.Traction((0, 0, 1), on="plate")], "acts along z, which"),
+        ([ks.Fixed("plate", "yz")], [ks.Gravity((0, -9.81, 0))], "acts along y, which"),
         (
             [ks.Clamped("left"), ks.SimplySupported((2000, 500, 0))],
             [],
@@ -58,10 +61,59 @@ def test_contradictions_are_refused(supports, loads, words):
         ([ks.Elastic("left", 1e6), ks.Clamped("right")], [ks.LineForce("left", (0, 0, 1))]),
         ([ks.Clamped("left")], [ks.Gravity((0, 0, -9.81))]),
         ([ks.Clamped("left")], [ks.PointForce((0, 0, 0), (0, 0, 1))]),  # its reaction is asked for, perhaps
+        ([ks.Fixed("plate", "y"), ks.Clamped("left")], [ks.Pressure(1.0)]),
+        ([ks.Elastic("plate", 1e6)], [ks.Pressure(1.0)]),  # springs give way
+        ([ks.Clamped("plate")], [ks.Temperature(mean=1.0, expansion=1e-5)]),
     ],
 )
 def test_what_makes_sense_stays(supports, loads):
     assert structure_of(supports, loads).supports
+
+
+@pytest.mark.parametrize(
+    ("supports", "load", "lost"),
+    [
+        ([ks.Clamped("left")], ks.PointForce((0, 0.5, 0), (0, 0, 1)), "acts along z"),
+        (
+            [ks.SimplySupported((0, 0, 0)), ks.Clamped("right")],
+            ks.PointForce((0, 0, 0), (0, 0, 1)),
+            "along z",
+        ),
+        ([ks.Clamped("left")], ks.PointMoment((0, 0.5, 0), (1, 0, 0)), "turns a place, whose rotation"),
+        ([ks.Fixed("left", "xyz")], ks.PointForce((0, 0.5, 0), (1, 0, 0)), "acts along x"),
+        ([ks.SimplySupported("left")], ks.PointMoment((0, 0.5, 0), (1, 0, 0)), ""),
+        ([ks.Fixed("left", "zr")], ks.PointForce((0, 0.5, 0), (1, 0, 0)), ""),
+        ([ks.Elastic((0, 0.5, 0), 1e6)], ks.PointForce((0, 0.5, 0), (0, 0, 1)), ""),
+        ([ks.Clamped("left")], ks.PointForce((0.5, 0.5, 0), (0, 0, 1)), ""),
+    ],
+)
+def test_loads_at_held_points_go_on_with_a_word(supports, load, lost):
+    (placed,) = structure_of(supports, [load]).loads
+    warning = placed.place.warning or ""
+    assert lost in warning
+    assert ("deform nothing" in warning) == bool(lost)
+
+
+def test_a_load_on_the_held_point_of_a_rigid_link_goes_on_with_a_word():
+    link = ks.RigidLink("right", to=(1.2, 0.5, 0), name="hub")
+    supports = [ks.Clamped("left"), link, ks.Fixed("hub", "z")]
+    for force, lost in (((0, 0, 1), True), ((1, 0, 0), False)):
+        (placed,) = structure_of(supports, [ks.PointForce("hub", force)]).loads
+        assert ("acts along z" in (placed.place.warning or "")) == lost
+
+
+def test_the_warning_is_in_the_result():
+    scene = ks.Scene(
+        mesh=MESHES / "unit_square.msh",
+        thickness=0.01,
+        material=STEEL,
+        supports=[ks.Clamped("left")],
+        loads=[ks.PointForce((0, 0.5, 0), (0, 0, 1))],
+    )
+    for model in ("plate", "shell"):
+        with pytest.warns(ks.KshellWarning, match="go straight into the support"):
+            result = ks.solve(scene, model=model, large_deflection=False, error="off")
+        assert result.reactions["left"]["force"][2] == pytest.approx(-1.0)
 
 
 def test_own_axes_are_looked_along():
