@@ -28,6 +28,9 @@ def account_for_shear(
         probe = options.quantity if options.quantity in result.probes else None
     found = shear_share(model, solved, result, probe, duals.get(probe) if probe else None)
     result.error["budget"]["shear"] = found.share
+    guessed = model.structure.section.guessed_shear
+    if found.share is not None and guessed:
+        result.model["reasons"].append(guessed)
     if found.why_not:
         result.error["shear_why_not"] = found.why_not
     named = "the strain energy" if probe is None or found.share is None else f'the deflection of "{probe}"'

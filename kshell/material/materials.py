@@ -337,6 +337,13 @@ def transverse_shear(material: Any) -> Floats | None:
     return turn @ own @ turn.T
 
 
+def guessed_shear(material: Any) -> tuple[str, ...]:
+    """The transverse shear moduli that G12 stands for, because they were not given."""
+    if not isinstance(material, Orthotropic):
+        return ()
+    return tuple(name for name in ("G13", "G23") if getattr(material, name) is None)
+
+
 def _require_density(density: float) -> None:
     if density < 0.0:
         raise InputError(f"material: density = {density:g} must not be negative")

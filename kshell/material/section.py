@@ -23,6 +23,7 @@ from kshell.errors import InputError
 from kshell.material.by_group import parts_of
 from kshell.material.inelastic import Inelastic, relaxation_of, yielding_of
 from kshell.material.laminate import require_symmetric
+from kshell.material.materials import guessed_shear
 from kshell.material.part import Part
 from kshell.material.thermal import Expansion
 from kshell.mesh.mesh import Mesh
@@ -135,6 +136,14 @@ class Section:
                     "orthotropic material, or C with six rows"
                 )
         return ""
+
+    @cached_property
+    def guessed_shear(self) -> str:
+        """Which transverse shear moduli were not given and taken as G12, in words; empty where none is."""
+        found = {
+            name for part in self.parts for material in part.materials for name in guessed_shear(material)
+        }
+        return f"shear: {' and '.join(sorted(found))} not given, taken as G12" if found else ""
 
     def shear(self, triangles: Ints, points: Floats) -> Floats:
         """(n, q, 2, 2) transverse shear stiffness S, force per length, where `without_shear` is empty."""

@@ -9,6 +9,7 @@ import pytest
 from skfem import MeshTri
 
 import kshell as ks
+from tests.plate.plates import rectangle
 
 STEEL = ks.Isotropic(E=2e11, nu=0.3)
 
@@ -122,3 +123,25 @@ def test_shear_beyond_the_tolerance_is_warned_of():
     assert not [
         w for w in ks.solve(square(ks.SimplySupported, 0.02, n=4), tolerance=0.005).warnings if "shear" in w
     ]
+
+
+@pytest.mark.parametrize(
+    ("moduli", "words"),
+    [
+        ({}, "shear: G13 and G23 not given, taken as G12"),
+        ({"G13": 5e9}, "shear: G23 not given, taken as G12"),
+        ({"G13": 5e9, "G23": 3e9}, ""),
+    ],
+)
+@pytest.mark.parametrize("layers", [False, True])
+def test_shear_moduli_that_are_guessed_are_told(moduli, words, layers):
+    ply = ks.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, **moduli)
+    section = {"layers": [ks.Layer(ply, 0.01)] * 2} if layers else {"thickness": 0.02, "material": ply}
+    scene = ks.Scene(mesh=rectangle(4), supports=[ks.Clamped("edge")], loads=[ks.Pressure(1.0)], **section)
+    found = ks.solve(scene)
+    assert found.error["budget"]["shear"] > 0.0
+    assert [reason for reason in found.model["reasons"] if reason.startswith("shear:")] == (
+        [words] if words else []
+    )
+    off = ks.solve(scene, error="off")
+    assert not any(reason.startswith("shear:") for reason in off.model["reasons"])
