@@ -67,11 +67,6 @@ class Part(ABC):
         """S, None where it is not known."""
 
     @property
-    def materials(self) -> tuple[Any, ...]:
-        """What it is made of, from the bottom up; nothing where it is given by its stiffness."""
-        return ()
-
-    @property
     @abstractmethod
     def has_stress(self) -> bool:
         """Whether stresses are known."""
@@ -132,10 +127,6 @@ class Homogeneous(Part):
     def mass(self, t: Floats) -> Floats:
         return self.material.density * t
 
-    @property
-    def materials(self) -> tuple[Any, ...]:
-        return (self.material,)
-
     def shear(self, t: Floats) -> Floats | None:
         return None if self._G is None else HOMOGENEOUS_SHEAR * t[..., None, None] * self._G
 
@@ -185,10 +176,6 @@ class Layered(Part):
 
     def mass(self, t: Floats) -> Floats:
         return np.full(t.shape, self.stack.mass)
-
-    @property
-    def materials(self) -> tuple[Any, ...]:
-        return tuple(layer.material for layer in self.stack.layers)
 
     def shear(self, t: Floats) -> Floats | None:
         return None if self.stack.S is None else np.broadcast_to(self.stack.S, (*t.shape, 2, 2))

@@ -18,7 +18,6 @@ from kshell.scene.loads import (
     InitialStrain,
     Load,
     PointMoment,
-    Pressure,
     Temperature,
 )
 from kshell.scene.supports import Elastic, Free, SimplySupported, Support
@@ -95,13 +94,8 @@ def _lost(
         return
     turns = isinstance(item, EdgeMoment | PointMoment)
     # what turns about any axis is held where the place is, too; what pushes along a normal that varies, along all axes
-    needed = (
-        ""
-        if isinstance(item, EdgeMoment) or not (turns or isinstance(item, Pressure))
-        else "z"
-        if flat
-        else "xyz"
-    )
+    along_normal = item.components is None and not turns
+    needed = ("z" if flat else "xyz") if isinstance(item, PointMoment) or along_normal else ""
     for letter, axis in _directions(supports, turns):
         if not turns and not _pushes(load, axis, space):
             continue
@@ -122,7 +116,7 @@ def _lost_words(load: Load, support: Support, letter: str, axis: Floats) -> str:
         along = f"turns {turned}, whose rotation"
         mend = 'leave r out of what is held, e.g. kind = "simply_supported"'
     else:
-        direction = "the normal" if isinstance(load, Pressure) else _axis_words(letter, axis)
+        direction = "the normal" if load.components is None else _axis_words(letter, axis)
         along = f"acts along {direction}, which"
         others = "".join(c for c in "xyzr" if c != letter)
         mend = f'hold the other freedoms only, e.g. fix = "{others}", or leave the load out'
@@ -136,9 +130,9 @@ def _dimension(load: Placed[Load]) -> int:
 
 def _pushes(load: Placed[Load], axis: Floats, space: Mesh) -> bool:
     """Whether a load has a part along an axis."""
-    if isinstance(load.item, Pressure):  # along the normal, which is z where only z need be held
+    if load.item.components is None:  # along the normal, which is z where only z need be held
         return abs(axis[2]) > NEGLIGIBLE
-    value = load.item.at(load.vertices(space))
+    value = load.item.at(load.places(space))
     return bool(np.abs(value @ axis).max(initial=0.0) > NEGLIGIBLE * np.abs(value).max(initial=0.0))
 
 

@@ -224,6 +224,8 @@ def _from_files(loads: Iterable[Placed[Load]], space: Mesh) -> tuple[tuple[Place
             notes.append(words)
         out.append(placed)
     return tuple(out), notes
+
+
 def _warned(
     load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, moving: bool
 ) -> Placed[Load]:
