@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -23,6 +23,10 @@ from kshell.cli.options import (
 )
 from kshell.cli.scene_options import is_scene, no_overrides, parameters_of, scene_of
 from kshell.errors import InputError, SolveError
+
+if TYPE_CHECKING:
+    from kshell.mesh import Mesh
+    from kshell.scene.scene import Scene
 
 
 @command()
@@ -45,24 +49,54 @@ def converge(
 
 
 @command()
-def check(source: Source, reading: Reading) -> None:
+def check(
+    source: Source,
+    *,
+    output: into("Write mesh.png here, with --plot.") = None,  # type: ignore[valid-type]
+    plot: Annotated[
+        bool, typer.Option("--plot", help="Draw the mesh with supports, loads, probes and names of groups.")
+    ] = False,
+    reading: Reading,
+) -> None:
     """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
     from kshell.analysis.check import check_mesh, check_scene
     from kshell.cli.terminal import print_findings
 
+    if output is not None and not plot:
+        raise InputError("-o is for the picture: give --plot, too")
     if is_scene(source):
         scene = reading.scene(source, "check")
-        found = check_scene(scene, scene.read_mesh(reading.allow_system))
+        mesh = scene.read_mesh(reading.allow_system)
+        found = check_scene(scene, mesh)
     else:
         from kshell.mesh import read_mesh
 
         no_overrides(source, reading.set_ or [])
-        found = check_mesh(read_mesh(source, allow_system=reading.allow_system))
+        scene, mesh = None, read_mesh(source, allow_system=reading.allow_system)
+        found = check_mesh(mesh)
     print_findings(found)
     for words in found.problems:
         typer.echo(f"error: {words}", err=True)
+    if plot:
+        for path in _drawn(mesh, scene if not found.problems else None, source, output):
+            typer.echo(f"written: {path}")
     if found.problems:
         raise typer.Exit(2)
+
+
+def _drawn(mesh: Mesh, scene: Scene | None, source: Path, output: Path | None) -> list[str]:
+    """Draw a mesh, with supports and loads where there is a scene that fits; the paths written."""
+    from functools import partial
+
+    from kshell.draw.groups import save_named
+    from kshell.result.saving import write_together
+    from kshell.scene.on_chart import mesh_in_space
+
+    space = mesh if scene is None else mesh_in_space(scene.chart, mesh)
+    title = source.name if scene is None or not scene.title else scene.title
+    return write_together(
+        output or Path(f"{source.stem}-check"), {"mesh.png": partial(save_named, space, scene, title)}
+    )
 
 
 @command()

@@ -296,10 +296,25 @@ def _print_summary(out: Console, summary: Summary) -> None:
     )
     unit = {"point": "", "curve": "length", "surface": "area"}
     rows = [
-        [g.name, g.kind, str(g.members), f"{unit[g.kind]} {g.measure:.6g}" if unit[g.kind] else ""]
+        [
+            g.name,
+            g.kind,
+            _span(g.lower, g.upper),
+            str(g.members),
+            f"{unit[g.kind]} {g.measure:.6g}" if unit[g.kind] else "",
+        ]
         for g in summary.groups
     ]
-    out.print(table(["group", "kind", "members", "size"], rows, "Groups", 2) if rows else "no groups")
+    heads = ["group", "kind", "from, to", "members", "size"]
+    out.print(table(heads, rows, "Groups", 2) if rows else "no groups")
+
+
+def _span(lower: tuple[float, ...], upper: tuple[float, ...]) -> str:
+    """The box of a group in words."""
+    if not lower:
+        return ""
+    first, last = (f"({', '.join(f'{v + 0.0:.4g}' for v in corner)})" for corner in (lower, upper))
+    return first if lower == upper else f"{first}, {last}"
 
 
 def _print_quality(out: Console, worst: Quality) -> None:

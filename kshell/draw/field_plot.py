@@ -16,6 +16,7 @@ from kshell.draw.canvas import (
     flat_triangles,
     new_figure,
 )
+from kshell.draw.marks import draw_marks, marks
 from kshell.result.result import Result
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ class FieldFigure:
         )
         self._lines: Any = None
         self._bar: Any = None
+        self._marks: list[Any] = []
+        self._rows, self._nodes = result.rows, points[:, :2]
         if len(mesh.triangles) <= FEW_TRIANGLES:
             every = np.arange(len(mesh.edges))
             draw_edges(self._axes, mesh, every, colors="black", linewidths=0.2, alpha=0.25)
@@ -68,6 +71,9 @@ class FieldFigure:
         self._image.set_array(values)
         self._image.set_cmap(style["cmap"])
         self._image.set_clim(style["vmin"], style["vmax"])
+        for drawn in self._marks:
+            drawn.remove()
+        self._marks = draw_marks(self._axes, marks(values, self._rows), self._nodes)
         if self._lines is not None:
             self._lines.remove()
             self._lines = None

@@ -73,10 +73,14 @@ def save_picture(
     small: bool = False,
     fields: Callable[[], FieldFigure] | None = None,
 ) -> None:
-    """Write a picture as PNG, to be small or written fast."""
+    """Write a picture of a result as PNG, to be small or written fast."""
+    save_figure(plot(result, what, fields), path, dpi, small)
+
+
+def save_figure(figure: Figure, path: Path | BinaryIO, dpi: int = DPI, small: bool = False) -> None:
+    """Write a figure as PNG, to be small or written fast."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    figure = plot(result, what, fields)
     figure.set_dpi(dpi)
     engine = figure.get_layout_engine()
     if engine is not None:  # laid out here, or savefig would draw everything twice

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, LETTERS, add_below, colour_bar, colours, flat_triangles
 from kshell.draw.in_time import largest_values
+from kshell.draw.marks import USUAL, draw_marks, marks, seeing
 from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes, on_mesh
 from kshell.material.by_group import ELSE
 from kshell.mesh import Mesh, Selection, select
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 LARGEST_SHOWN = 0.1  # of the size of the shell: the largest displacement as drawn
-VIEW = {"elev": 28.0, "azim": -58.0}
 SIGNS = 12  # about this many arrows of one load
 MANY_FACES = 5_000
 BAR, SQUARE = 1.0, 6.6  # inches for a bar of colours, and of the axes
@@ -88,7 +88,9 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
     style = colours(low, high)
     norm = Normalize(style["vmin"], style["vmax"] if style["vmax"] > style["vmin"] else style["vmin"] + 1.0)
     image = ScalarMappable(norm, colormaps[style["cmap"]])
-    figure, axes = _figure(result.title, np.concatenate([rest, nodes]), BAR)
+    found = marks(values, result.rows)
+    view = seeing(nodes, triangles, found[0].node) if found else USUAL
+    figure, axes = _figure(result.title, np.concatenate([rest, nodes]), BAR, view)
     corners, shades = _smoothed(nodes[triangles], values[triangles])
     faces = image.to_rgba(shades)
     faces[:, :3] *= _shade(corners)[:, None]
@@ -106,6 +108,7 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
         axes.add_collection3d(
             Line3DCollection(_edge_lines(mesh, still, outline), colors="0.5", linewidths=0.8, linestyles="--")
         )
+    draw_marks(axes, found, nodes)
     words = f"{label}, from {low:.4g} to {high:.4g}\ndisplacements drawn {scale:g} times as large, dashed: at rest"
     tall = figure.get_figheight()
     bar = figure.add_axes((0.1, 0.72 / tall, 0.8, 0.17 / tall))
@@ -156,7 +159,9 @@ def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figu
     return figure
 
 
-def _figure(title: str, nodes: Floats, below: float = 0.0) -> tuple[Figure, Any]:
+def _figure(
+    title: str, nodes: Floats, below: float = 0.0, view: tuple[float, float] = USUAL
+) -> tuple[Figure, Any]:
     """A figure with axes for nodes in space, and some inches below them; places are set as for plan views."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -173,7 +178,7 @@ def _figure(title: str, nodes: Floats, below: float = 0.0) -> tuple[Figure, Any]
     for setter, m, s in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, size, strict=True):
         setter(m - 0.52 * s, m + 0.52 * s)
     axes.set_box_aspect(size, zoom=5.5 / SQUARE)
-    axes.view_init(**VIEW)
+    axes.view_init(elev=view[0], azim=view[1])
     for setter, name in zip((axes.set_xlabel, axes.set_ylabel, axes.set_zlabel), "xyz", strict=True):
         setter(name)
     for axis, part in zip((axes.xaxis, axes.yaxis, axes.zaxis), size / size.max(), strict=True):

@@ -15,12 +15,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class GroupSummary:
-    """One group: its kind, how many cells it has, and its length or area (0 for points)."""
+    """One group: its kind, how many cells it has, its length or area (0 for points), and the box it lies in."""
 
     name: str
     kind: str
     members: int
     measure: float
+    lower: tuple[float, ...]
+    upper: tuple[float, ...]
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,11 @@ def summary(mesh: Triangulation) -> Summary:
     measures = (np.zeros(len(mesh.points)), lengths, areas)  # by dimension
     groups = [
         GroupSummary(
-            name, group.kind, len(group.members), float(measures[group.dimension][group.members].sum())
+            name,
+            group.kind,
+            len(group.members),
+            float(measures[group.dimension][group.members].sum()),
+            *_box(mesh, group.dimension, group.members),
         )
         for name, group in mesh.groups.items()
     ]
@@ -89,6 +95,17 @@ def summary(mesh: Triangulation) -> Summary:
         groups=tuple(groups),
         notes=mesh.notes,
     )
+
+
+def _box(
+    mesh: Triangulation, dimension: int, members: NDArray[np.integer]
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Corners of the box of the vertices of cells."""
+    vertices = members if dimension == 0 else (mesh.edges if dimension == 1 else mesh.triangles)[members]
+    x = mesh.points[vertices.ravel()]
+    if not len(x):
+        return (), ()
+    return tuple(x.min(axis=0).tolist()), tuple(x.max(axis=0).tolist())
 
 
 def quality(mesh: Triangulation) -> Quality:
