@@ -15,19 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import SolveError
-from kshell.solvers.backends import PARDISO, Singular
+from kshell.solvers.backends import Singular
 from kshell.solvers.eigen import (
     ATTEMPTS,
     BEYOND,
     CONVERGED,
-    COUNTED_UP_TO,
     NOT_COUNTED,
     SPACE,
     WHOLE,
 )
 from kshell.solvers.eigenbasis import canonical, gap_behind
 from kshell.solvers.pencil import Spectrum
-from kshell.solvers.symmetric import factorise_symmetric
+from kshell.solvers.symmetric import counts, factorise_symmetric
 
 Floats = NDArray[np.float64]
 
@@ -109,7 +108,7 @@ def factors(pencil: CriticalPencil, count: int) -> Spectrum:
 
 def _missing(pencil: CriticalPencil, values: Floats, behind: int) -> int | None:
     """Factors that a count says lie before the gap, less those found there; None where nothing counts."""
-    if not PARDISO.installed and pencil.stiffness.shape[0] > COUNTED_UP_TO:
+    if not counts(pencil.stiffness.shape[0]):
         return None
     inner = abs(values[behind - 1])
     outer = abs(values[behind]) if behind < len(values) else 2.0 * inner

@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError, SolveError
-from kshell.solvers.backends import PARDISO, Singular
+from kshell.solvers.backends import Singular
 from kshell.solvers.eigen_dense import whole
 from kshell.solvers.eigenbasis import gap_behind
 from kshell.solvers.pencil import Pencil, Spectrum, deflated, finished, massive_unknowns
-from kshell.solvers.symmetric import SymmetricFactor, factorise_symmetric
+from kshell.solvers.symmetric import SymmetricFactor, counts, factorise_symmetric
 
 Floats = NDArray[np.float64]
 
@@ -38,11 +38,9 @@ ATTEMPTS = 3
 SPACE = 2.5
 # relative residual of theta; values are as good as its square, and are sharpened afterwards
 CONVERGED = 1e-11
-# without a library that counts at once, larger matrices are not counted
-COUNTED_UP_TO = 60_000
 NOT_COUNTED = (
     "that none was missed is not checked: no library here counts eigenvalues of so large a matrix in reasonable time "
-    "(pypardiso does)"
+    "(cvxopt does)"
 )
 
 
@@ -150,7 +148,7 @@ def _count_below(pencil: Pencil, value: float) -> int | None:
     """Eigenvalues below a value, rigid motions included; None where no library here counts in reasonable time."""
     if value <= 0.0 and not pencil.rigid.shape[1]:
         return 0
-    if not PARDISO.installed and pencil.stiffness.shape[0] > COUNTED_UP_TO:
+    if not counts(pencil.stiffness.shape[0]):
         return None
     for nudge in (0.0, 1e-7, -1e-7):  # pivots on the diagonal can vanish by chance
         try:

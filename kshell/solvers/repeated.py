@@ -78,6 +78,41 @@ class Cholmod:
         return np.array(x).reshape(rhs.shape)
 
 
+class CholmodColumns:
+    """L D L^T by CHOLMOD, column by column, D diagonal and of any signs: there is no choice of pivots."""
+
+    def __init__(self, indptr: Ints, indices: Ints) -> None:
+        from cvxopt import cholmod, spmatrix
+        from cvxopt import matrix as dense
+
+        n = len(indptr) - 1
+        column = np.repeat(np.arange(n, dtype=np.int64), np.diff(indptr))
+        self._matrix = spmatrix(1.0, dense(indices.astype(np.int64)), dense(column), (n, n))
+        before = cholmod.options.get("supernodal", 2)
+        cholmod.options["supernodal"] = 0
+        try:
+            self._symbolic = cholmod.symbolic(self._matrix, uplo="L")
+        finally:
+            cholmod.options["supernodal"] = before
+        self._cholmod, self._dense, self._count = cholmod, dense, n
+
+    def factorise(self, entries: Floats) -> Factor:
+        self._matrix.V = self._dense(entries)
+        try:
+            self._cholmod.numeric(self._matrix, self._symbolic)
+        except ArithmeticError as error:
+            raise Singular(f"CHOLMOD: the pivot of unknown {error} is zero") from error
+        inverse = self._dense(np.ones(self._count))
+        self._cholmod.solve(self._symbolic, inverse, sys=6)  # D x = 1
+        negative = int(np.sum(np.array(inverse) < 0.0))
+        return Factor(self._solve, lambda: negative)
+
+    def _solve(self, rhs: Floats) -> Floats:
+        x = self._dense(np.asfortranarray(rhs))
+        self._cholmod.solve(self._symbolic, x)
+        return np.array(x).reshape(rhs.shape)
+
+
 class Pardiso:
     """L D L^T by PARDISO with pivots of one or two unknowns, also of indefinite matrices."""
 

@@ -1,8 +1,8 @@
 """Factors of one symmetric matrix that need not be positive definite, with the count of its negative eigenvalues.
 
 By Sylvester's law of inertia a factorisation L D L^T has as many negative pivots as the matrix has negative
-eigenvalues. CHOLMOD has positive pivots only, PARDISO pivots of one or two unknowns, SuperLU those on the diagonal: it
-counts only where it kept to the diagonal and its factors give a solution back.
+eigenvalues. PARDISO has pivots of one or two unknowns; CHOLMOD, in the variant that takes one column after the other,
+and SuperLU have those on the diagonal, whatever their size: they count only where their factors give a solution back.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kshell.solvers.backends import CHOLMOD, PARDISO, SUPERLU, Singular, superlu
-from kshell.solvers.repeated import Cholmod, Pardiso
+from kshell.solvers.repeated import Cholmod, CholmodColumns, Pardiso
 from kshell.solvers.system import Floats
 
-# relative residual of a solve with SuperLU up to which the signs of its pivots are believed
+# relative residual of a solve up to which the signs of pivots on the diagonal are believed
 BELIEVED = 1e-6
+# up to so many unknowns SuperLU counts in reasonable time
+SUPERLU_UP_TO = 60_000
 
 
 class SymmetricFactor(NamedTuple):
@@ -65,7 +67,34 @@ def factorise_symmetric(matrix: Any, definite: bool) -> SymmetricFactor:
         indptr, indices, data = _lower(matrix)
         factor = Pardiso(indptr, indices).factorise(data)
         return SymmetricFactor(factor.solve, factor.count_negative, PARDISO.name)
+    if CHOLMOD.installed:
+        found = _columns(matrix)
+        if found is not None:
+            return found
     return _superlu(matrix)
+
+
+def counts(unknowns: int) -> bool:
+    """Whether a library here counts eigenvalues of so large a matrix in reasonable time."""
+    return PARDISO.installed or CHOLMOD.installed or unknowns <= SUPERLU_UP_TO
+
+
+def _columns(matrix: Any) -> SymmetricFactor | None:
+    """L D L^T by CHOLMOD, D diagonal; None where it does not give a solution back."""
+    indptr, indices, data = _lower(matrix)
+    try:
+        factor = CholmodColumns(indptr, indices).factorise(data)
+    except Singular:
+        return None
+    return None if _miss(matrix, factor.solve) > BELIEVED else SymmetricFactor(*factor[:2], CHOLMOD.name)
+
+
+def _miss(matrix: Any, solve: Callable[[Any], Any]) -> float:
+    """Relative residual of a solve; infinite where it overflows."""
+    rhs = np.random.default_rng(0).standard_normal(matrix.shape[0])
+    with np.errstate(over="ignore", invalid="ignore"):
+        miss = float(np.linalg.norm(matrix @ solve(rhs) - rhs) / np.linalg.norm(rhs))
+    return miss if np.isfinite(miss) else float("inf")
 
 
 def _lower(matrix: Any) -> tuple[Any, Any, Floats]:
@@ -83,9 +112,7 @@ def _superlu(matrix: Any) -> SymmetricFactor:
     def count_negative() -> int | None:
         if not np.array_equal(lu.perm_r, lu.perm_c):
             return None
-        rhs = np.random.default_rng(0).standard_normal(matrix.shape[0])
-        miss = np.linalg.norm(matrix @ lu.solve(rhs) - rhs)
-        if not miss <= BELIEVED * np.linalg.norm(rhs):
+        if _miss(matrix, lu.solve) > BELIEVED:
             return None
         return int(np.sum(lu.U.diagonal() < 0))
 

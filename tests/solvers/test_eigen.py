@@ -3,13 +3,18 @@
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from scipy.linalg import eigh
 
+from kshell.analysis.models import model_of
 from kshell.errors import InputError, SolveError
+from kshell.solvers.backends import CHOLMOD
 from kshell.solvers.critical import CriticalPencil, factors
 from kshell.solvers.eigen import in_range, smallest
 from kshell.solvers.eigenbasis import canonical, clusters, orthonormal
 from kshell.solvers.pencil import Pencil
-from kshell.solvers.symmetric import factorise_symmetric
+from kshell.solvers.repeated import CholmodColumns
+from kshell.solvers.symmetric import _columns, _lower, factorise_symmetric
+from tests.analysis.test_modes import square
 
 
 def chain(n, free=False):
@@ -181,3 +186,33 @@ def test_equal_sizes_have_the_positive_factor_first():
 def test_no_stress_no_buckling():
     with pytest.raises(SolveError, match="no membrane forces"):
         factors(CriticalPencil(chain(50), sp.csr_matrix((50, 50))), 2)
+
+
+@pytest.mark.skipif(not CHOLMOD.installed, reason="cvxopt is not installed")
+@pytest.mark.parametrize("seed", range(12))
+def test_columns_count_as_eigenvalues_say(seed):
+    """Shifted plates between their eigenvalues, without pardiso; solutions give their loads back."""
+    random = np.random.default_rng(seed)
+    held = "".join(random.choice(list("CSF"), 3)) + "C"
+    model = model_of(square(held, n=3), element=("argyris", "morley")[seed % 2], analysis="modes")
+    k, m = model.stiffness(), model.mass()
+    values = eigh(k.toarray(), m.toarray(), eigvals_only=True)
+    for number in random.choice(np.arange(1, 20), 3, replace=False):
+        if values[number] - values[number - 1] < 1e-3 * values[number]:
+            continue
+        shifted = (k - 0.5 * (values[number] + values[number - 1]) * m).tocsr()
+        indptr, indices, data = _lower(shifted)
+        factor = CholmodColumns(indptr, indices).factorise(data)
+        assert factor.count_negative() == number
+        rhs = random.standard_normal(len(values))
+        assert np.linalg.norm(shifted @ factor.solve(rhs) - rhs) < 1e-6 * np.linalg.norm(rhs)
+
+
+@pytest.mark.skipif(not CHOLMOD.installed, reason="cvxopt is not installed")
+def test_pivots_that_vanish_are_not_believed():
+    """[[0, 1], [1, 0]] has no factors with pivots on the diagonal: another library takes over."""
+    matrix = sp.csr_matrix(np.kron(np.eye(200), [[0.0, 1.0], [1.0, 0.0]]))
+    assert _columns(matrix) is None
+    factor = factorise_symmetric(matrix, False)
+    assert factor.solve(np.ones(400)) == pytest.approx(np.ones(400))
+    assert factor.count_negative() in (200, None)
