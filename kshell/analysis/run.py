@@ -10,6 +10,7 @@ from typing import Any
 from kshell.analysis.asked import answer_asked
 from kshell.analysis.clock import Clock, Stage
 from kshell.analysis.models import build_model
+from kshell.analysis.plausible import warn_of_the_implausible
 from kshell.analysis.strength import add_strength
 from kshell.equilibrium.model import Model
 from kshell.mesh.mesh import Mesh
@@ -20,6 +21,9 @@ from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
 from kshell.scene.structure import Placed, Structure, resolve
 from kshell.scene.thermal import keeps_stress
+
+# analyses whose displacements are those of the loads
+DEFLECTED = ("static", "path", "dynamic")
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +114,8 @@ def described(
         result.model["reasons"].append(
             "strain energy: without that of the stresses, free of resultants, that warm layers keep against each other"
         )
+    if result.analysis in DEFLECTED:
+        warn_of_the_implausible(result, model.structure, large, run.factors)
     mark_peaks(result, model.structure)
     if result.probes or "von_mises_top" in result.fields:
         add_strength(result, model.structure, warmth)

@@ -34,6 +34,8 @@ FACES = ("von_mises_top", "von_mises_middle", "von_mises_bottom")
 def peaks(structure: Structure) -> dict[int, str]:
     """Vertices where stresses grow without bound, with what makes them."""
     mesh, out = structure.space, {}
+    for vertex in _ends_inside(structure).tolist():
+        out[vertex] = "the end, or a corner, of a support inside"
     for vertex in _ends(structure).tolist():
         out[vertex] = "the end of a support"
     for support in structure.supports:
@@ -75,6 +77,36 @@ def _ends(structure: Structure) -> NDArray[np.integer]:
     # two unit vectors that leave a vertex: |a + b|^2 = 2 + 2 a.b, and a.b = -1 where it does not turn
     turns = (total**2).sum(axis=1) > 2.0 - 2.0 * SMOOTH
     return np.flatnonzero((count == 2) & (of_held == 1) & ~turns)
+
+
+def _ends_inside(structure: Structure) -> NDArray[np.integer]:
+    """Vertices inside at which a line that is held, or the border of a surface that is, ends or turns sharply."""
+    mesh = structure.space
+    inside = mesh.edge_counts > 1
+    held = np.zeros(len(mesh.edges), dtype=bool)
+    for support in structure.supports:
+        if support.place is None or not support.item.freedoms or isinstance(support.item, Elastic):
+            continue
+        if support.place.dimension == 1:
+            held[support.place.members] = True
+        elif support.place.dimension == 2:
+            count = np.bincount(mesh.triangle_edges[support.place.members].ravel(), minlength=len(mesh.edges))
+            held |= (count > 0) & (count < mesh.edge_counts)
+    lines = np.flatnonzero(held & inside)
+    if not len(lines):
+        return np.zeros(0, dtype=np.int64)
+    outer = np.zeros(len(mesh.points), dtype=bool)
+    outer[mesh.edges[~inside]] = True
+    around: dict[int, list[Floats]] = {}
+    for ends in mesh.edges[lines].tolist():
+        along = mesh.points[ends[1]] - mesh.points[ends[0]]
+        along = along / np.linalg.norm(along)
+        for vertex, leaving in zip(ends, (along, -along), strict=True):
+            if not outer[vertex]:
+                around.setdefault(vertex, []).append(leaving)
+    # an edge goes on where another one leaves the vertex the other way, but for a turn that is none
+    sharp = [v for v, to in around.items() if (np.array(to) @ np.array(to).T).min(axis=1).max() > -SMOOTH]
+    return np.array(sorted(sharp), dtype=np.int64)
 
 
 def mark_peaks(result: Result, structure: Structure) -> None:

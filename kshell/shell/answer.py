@@ -22,6 +22,8 @@ Floats = NDArray[np.float64]
 UNBALANCED = 1e-6
 # strain energy against that of stretching by all of the displacement, far below the thinnest shell in bending
 NO_STRAIN = 1e-18
+# motion by rounding over the largest displacement that is worth saying
+DRIFT = 1e-3
 NODAL_VALUES = (
     "forces, moments and stresses at vertices are means over the triangles around, by their angles and as tensors in "
     "space, within each smooth piece of a sheet with one section; each piece has a row of its own there"
@@ -110,6 +112,7 @@ def _answer(
             f"loads and reactions differ by {balance:.1e} of the larger: the solution has few correct digits; look "
             "for very small or very thin triangles (`kshell check`), or a shell that is hardly held"
         )
+    warnings += _drift_warning(problem, solution, fields)
     probed = probes_of(problem, fields)
     error = no_error_estimate()
     error["budget"]["algebra"] = solution.corrections[-1] if len(solution.corrections) > 1 else 0.0
@@ -135,6 +138,24 @@ def _answer(
         error=error,
         warnings=warnings + probed.warnings,
     )
+
+
+def _drift_warning(problem: ShellProblem, solution: LinearSolution, fields: ShellFields) -> list[str]:
+    """Of a shell that hangs on springs so soft that the rounding of its loads moves it."""
+    if not problem.hanging:
+        return []
+    springs = 0.0 if problem.springs is None else problem.springs @ solution.x
+    inside = solution.forces + problem.load - springs  # of the stresses
+    forces = np.maximum(np.abs(inside), np.abs(problem.load))
+    drift = max(part.moved_by_rounding(forces) for part in problem.hanging)
+    largest = float(np.linalg.norm(fields.vertex_fields["displacement"], axis=1).max())
+    if drift <= DRIFT * largest:
+        return []
+    return [
+        f"springs alone keep the shell in place, so soft that rounding of its loads may move it by about {drift:.1g} "
+        f"as a whole, of displacements up to {largest:.3g}; strains and stresses are right. Hold six freedoms, or take "
+        "stiffer springs"
+    ]
 
 
 def _energies(problem: ShellProblem, recovery: Any, solution: LinearSolution) -> dict[str, float]:

@@ -6,6 +6,8 @@ conditions leave of such a motion of the unknowns, R r - T c with the best c, sh
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -25,14 +27,37 @@ Floats = NDArray[np.float64]
 LOOSE = 1e-10
 # the square of a resistance that is rounding, relative to the motion
 UNRESISTED = 1e-24
+# rounding of a sum of forces, in units of the last digit of all of them together
+LOST = 10.0
 # so much of a unit vector is rounding in words
 ROUND = 1e-6
 
 
+@dataclass(frozen=True)
+class Hanging:
+    """Rigid motions of a part that nothing but springs resists.
+
+    Attributes
+    ----------
+    motions : (unknowns, k)
+        Translations, and turns by 1 / size of the part.
+    stiffness : (k, k)
+    """
+
+    motions: Floats
+    stiffness: Floats
+
+    def moved_by_rounding(self, forces: Floats) -> float:
+        """Displacement that may come from the rounding of forces (unknowns,) that balance each other."""
+        gross = np.abs(self.motions).T @ np.abs(forces)
+        drift = np.linalg.pinv(self.stiffness, hermitian=True) * (LOST * np.finfo(float).eps * gross)
+        return float(np.abs(drift).max(initial=0.0))
+
+
 def require_held(
     mesh: Mesh, discretisation: Discretisation, reduction: Reduction, springs: sp.csr_matrix | None
-) -> None:
-    """Raise InputError if a part can move as a rigid body, naming the motion and the part.
+) -> list[Hanging]:
+    """The rigid motions that springs alone resist; InputError if a part can move freely, naming motion and part.
 
     Parameters
     ----------
@@ -47,6 +72,7 @@ def require_held(
     unit = 1.0 / discretisation.unknown_sizes()
     basis = (sp.diags(unit) @ reduction.basis).tocsc()
     best = nearest(basis)
+    hanging = []
     for number in range(count):
         x = mesh.points[part == number]
         centre = 0.5 * (x.min(axis=0) + x.max(axis=0))
@@ -58,6 +84,10 @@ def require_held(
         gram = resisted.T @ resisted / float((scaled**2).sum(axis=0).max())
         if springs is not None:
             stiff = motion.T @ (springs @ motion)
+            value, vector = np.linalg.eigh(gram)
+            loose = vector[:, value < max(LOOSE * value[-1], UNRESISTED)]
+            if loose.shape[1]:
+                hanging.append(Hanging(motion @ loose, loose.T @ stiff @ loose))
             largest = np.abs(stiff).max()
             gram = gram + (stiff / largest if largest > 0 else stiff)
         value, vector = np.linalg.eigh(gram)
@@ -70,6 +100,7 @@ def require_held(
                     f" (the part of {inside} triangles around {place(x.mean(axis=0))}, one of {count} parts)"
                 )
             raise InputError(_words(free, centre, size, where))
+    return hanging
 
 
 def _words(free: Floats, centre: Floats, size: float, where: str) -> str:

@@ -24,7 +24,7 @@ from kshell.scene.loads import Temperature
 from kshell.scene.structure import Structure
 from kshell.scene.thermal import left_stress
 from kshell.shell.discretisation import Discretisation
-from kshell.shell.held import require_held
+from kshell.shell.held import Hanging, require_held
 from kshell.shell.links import SMALL_ONLY, with_links
 from kshell.shell.loads import ShellLoads, apply_loads
 from kshell.shell.section import Section as Stiffness
@@ -73,8 +73,9 @@ class ShellProblem:
         self.loads: ShellLoads = apply_loads(structure, discretisation, self.energy, self.supports.links)
         self.reduction: Reduction = with_links(self.supports.conditions.reduction(), self.supports.links)
         self.springs: sp.csr_matrix | None = self.supports.springs
+        self.hanging: list[Hanging] = []
         if not structure.movable:
-            require_held(self.space, discretisation, self.reduction, self.springs)
+            self.hanging = require_held(self.space, discretisation, self.reduction, self.springs)
 
     @cached_property
     def added_mass(self) -> sp.csr_matrix | None:

@@ -75,3 +75,31 @@ def test_a_free_disk_that_is_heated_is_in_balance(load):
     result = solved(mesh, supports, [ks.Temperature(**load, expansion=1e-5)])
     assert result.balance < 1e-6
     assert not any("reactions differ" in words for words in result.warnings)
+
+
+def with_lines(edges_of):
+    """A square with the group wall of the edges that a function of their ends (edge, 2, 3) chooses."""
+    mesh = rectangle(16)
+    wall = mesh.edges[edges_of(mesh.points[mesh.edges])]
+    groups = {name: mesh.edges[group.members] for name, group in mesh.groups.items() if group.dimension == 1}
+    return ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups | {"wall": wall})
+
+
+def test_the_end_of_a_line_inside_that_is_held():
+    mesh = with_lines(
+        lambda x: (abs(x[:, :, 1] - 0.5) < 1e-9).all(axis=1) & (x[:, :, 0] < 0.5 + 1e-9).all(axis=1)
+    )
+    supports = [ks.SimplySupported("edge"), ks.Fixed("wall", "z")]
+    with pytest.warns(
+        ks.KshellWarning, match="grow without bound at the end, or a corner, of a support inside"
+    ):
+        result = solved(mesh, supports, [ks.Pressure(1e3)])
+    peak = result.extremes["von_mises"]["peak"]
+    assert peak["at"] == pytest.approx([0.5, 0.5, 0.0])
+
+
+def test_a_line_that_is_held_from_edge_to_edge_has_no_end():
+    mesh = with_lines(lambda x: (abs(x[:, :, 1] - 0.5) < 1e-9).all(axis=1))
+    result = solved(mesh, [ks.SimplySupported("edge"), ks.Fixed("wall", "z")], [ks.Pressure(1e3)])
+    assert result.extremes["von_mises"]["peak"] is None
+    assert not [words for words in result.warnings if "without bound" in words]

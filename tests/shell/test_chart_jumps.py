@@ -166,6 +166,9 @@ ON_CHARTS = {
     "line without rotation": (
         CYLINDER, ((0, 1.2), (0, 1.0)), {"supports": [ks.Clamped("bottom"), ks.Fixed("middle", "r")]},
     ),
+    "part held": (
+        CYLINDER, ((0, 1.2), (0, 1.0)), {"supports": [ks.Clamped("bottom"), ks.Fixed("B", "z")]},
+    ),
     "heated half": (
         CYLINDER, ((0, 1.2), (0, 1.0)),
         {"loads": [ks.Temperature(mean=10, gradient=100, expansion=1e-5, on="B")]},

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
 import kshell as ks
+from tests.shell.shapes import box
 
 E, NU, T, R, K, P = 1000.0, 0.3, 0.05, 2.0, 7.0, 1.5
 
@@ -76,3 +79,22 @@ def test_leaning_springs_are_not_of_plates(monkeypatch, request):
     lean = [[1, 0, 1], [0, 1, 0], [-1, 0, 1]]
     with pytest.raises(ks.InputError, match="couples bending with motion in the plane"):
         square([ks.Elastic("plate", 4.0, "x", axes=lean)], [ks.Pressure(1.0)], model="plate")
+
+
+@pytest.mark.parametrize(("stiffness", "said"), [(1e-9, True), (1.0, False)])
+def test_springs_too_soft_against_rounding_are_said(stiffness, said):
+    """A closed box under pressure of its walls: their forces balance, what is left of them is rounding."""
+    mesh = box()
+    scene = ks.Scene(
+        mesh=ks.Mesh.from_arrays(mesh.points, mesh.triangles, {"box": mesh.triangles}),
+        thickness=0.01,
+        material=ks.Isotropic(E=2e11, nu=0.3),
+        supports=[ks.Elastic("box", stiffness, "xyz")],
+        loads=[ks.Pressure(1e5)],
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = ks.solve(scene, large_deflection=False)
+    assert (
+        bool([words for words in result.warnings if "springs alone keep the shell in place" in words]) == said
+    )
