@@ -45,6 +45,19 @@ if os.environ["PMI_RANK"] == rank:
         raise errors[kind]("put here on purpose")
     setattr(place, last, fails)
 """
+# all say that they have solved; then one of them takes its time, and the others wait for it
+SLOW = """
+import os, time
+import kshell.shell.model
+old = kshell.shell.model.answer_linear
+def slowly(*given):
+    rank = os.environ["PMI_RANK"]
+    open(os.path.join({folder!r}, rank), "w").write(str(os.getpid()))
+    if rank == "1":
+        time.sleep(60)
+    return old(*given)
+kshell.shell.model.answer_linear = slowly
+"""
 
 
 @pytest.fixture(scope="module")
@@ -121,20 +134,14 @@ def test_what_is_not_for_several_is_refused_once(scene: Path, words: list[str]) 
 
 
 def test_a_killed_process_ends_all(scene: Path, tmp_path: Path) -> None:
-    wait = "import os, time\nopen(os.path.join({!r}, os.environ['PMI_RANK']), 'w').write(str(os.getpid()))\n"
-    slow = (
-        "import kshell.shell.model as m\nold = m.answer_linear\n"
-        "def slowly(*given):\n    time.sleep(60 if os.environ['PMI_RANK'] == '1' else 0)\n    return old(*given)\n"
-        "m.answer_linear = slowly\n"
-    )
-    command = command_of(3, wait.format(str(tmp_path)) + slow + MAIN, "solve", scene, "-o", tmp_path / "out")
+    command = command_of(3, SLOW.format(folder=str(tmp_path)) + MAIN, "solve", scene, "-o", tmp_path / "out")
     with subprocess.Popen(
         command, env=ENVIRONMENT, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as running:
         begin = time.monotonic()
         while len(list(tmp_path.glob("[0-9]"))) < 3 and time.monotonic() - begin < 60.0:
             time.sleep(0.1)
-        time.sleep(1.0)
+        time.sleep(0.5)  # the others wait for the slow one now
         pids = [int((tmp_path / str(rank)).read_text(encoding="utf-8")) for rank in range(3)]
         os.kill(pids[1], signal.SIGKILL)
         begin = time.monotonic()
