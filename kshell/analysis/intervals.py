@@ -57,7 +57,7 @@ def shell_intervals(stage: Stage) -> Known:
     model, found, count = stage.model, stage.found, len(stage.found.values)
     if not isinstance(model, KoiterModel) or model.order < 2 or found.first is None:
         return unknown(count)
-    lower = KoiterModel(model.structure, model.order - 1, model.reasons)
+    lower = model.of_order(model.order - 1)
     mass = lower.mass()
     pencil = Pencil(lower.stiffness(), mass, lower.rigid_modes(mass).vectors, lower.energies)
     try:
@@ -102,7 +102,7 @@ def _rough(stage: Stage, lacking: list[str]) -> Known:
     count = first + len(values)
     if model.element == "morley":
         coarse, below = stage, values
-        above = modes_of(PlateModel(model.structure, "argyris"), run, count)
+        above = modes_of(model.like(model.structure, "argyris"), run, count)
         other = above.found.values[first:]
     else:
         above = stage
@@ -136,7 +136,7 @@ def finer(structure: Structure, run: Run) -> Structure:
 
 def _morley(model: PlateModel, run: Run, count: int) -> Stage:
     """The modes of Morley elements on a finer mesh."""
-    return modes_of(PlateModel(bending_only(finer(model.structure, run)), "morley"), run, count)
+    return modes_of(model.like(bending_only(finer(model.structure, run)), "morley"), run, count)
 
 
 def _morley_bounds(stage: Stage) -> Floats:

@@ -20,7 +20,7 @@ from kshell.distributed.team import require_installed
 from kshell.errors import InputError
 
 # commands that several processes share
-SHARED = ("solve", "trace")
+SHARED = ("solve", "trace", "modes")
 GRACE = 1.5  # seconds in which the others may end by themselves
 PAUSE = 0.01
 ENDED = 7  # tag of the messages in which they say how they ended

@@ -5,13 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.distributed.matrix import Numbering, Reduced, Scattered
 from kshell.distributed.team import Team
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
+from kshell.solvers.backends import Singular
 from kshell.solvers.repeated import Factor
+from kshell.solvers.symmetric import SymmetricFactor
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -51,6 +54,13 @@ class PetscFactoriser:
         SolveError
             If the matrix is singular, holds numbers that are not finite, or the memory does not suffice.
         """
+        try:
+            return self.factors(matrix, definite)
+        except Singular as error:
+            raise SolveError("the tangent stiffness is singular") from error
+
+    def factors(self, matrix: Scattered, definite: bool = True) -> Factor:
+        """The same; `Singular` where a pivot is zero."""
         if self.team.largest(0.0 if np.isfinite(matrix.local.data).all() else 1.0):
             raise SolveError("the stiffness is not finite: the step led too far away")
         if not self.numbering.size:
@@ -65,7 +75,7 @@ class PetscFactoriser:
                 raise _failed(code)
         code = self._set_up(False)
         if code == SINGULAR:
-            raise SolveError("the tangent stiffness is singular")
+            raise Singular("MUMPS: a pivot is zero")
         if code:
             raise _failed(code)
         return Factor(self._solver(False), self._count_negative)
@@ -136,6 +146,33 @@ class PetscFactoriser:
             return out.reshape(np.shape(load))
 
         return solve
+
+
+class Symmetric(Scattered):
+    """A symmetric matrix on free unknowns, which factorises itself for those that know nothing of teams."""
+
+    @classmethod
+    def of(cls, matrix: Scattered, reduction: Reduction | None = None) -> Symmetric:
+        """T^T K T of a matrix K on all unknowns; without a reduction K itself."""
+        team, local, owner = matrix.team, matrix.local, matrix.owner
+        if reduction is not None:
+            basis = reduction.basis.tocsc()
+            owner = owner[basis.indices[basis.indptr[:-1]]]
+            whole, kept = local, reduction
+            local = team.together(lambda: kept.reduce(whole))
+        return cls(team, local, owner)
+
+    def factorised(self, definite: bool) -> SymmetricFactor:
+        """As `kshell.solvers.symmetric.factorise_symmetric`, by MUMPS."""
+        factor = whole_factoriser(self).factors(self, definite)
+        return SymmetricFactor(factor.solve, factor.count_negative, NAME)
+
+
+def whole_factoriser(matrix: Scattered) -> PetscFactoriser:
+    """For matrices on free unknowns."""
+    size = matrix.shape[0]
+    every = Reduction(sp.identity(size, format="csc"), np.zeros(size), np.zeros(0, dtype=np.int64))
+    return PetscFactoriser(matrix.team, every, matrix.owner)
 
 
 def _failed(code: int) -> SolveError:

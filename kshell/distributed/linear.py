@@ -11,16 +11,18 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.distributed.factor import NAME, PetscFactoriser
+from kshell.distributed.factor import NAME, PetscFactoriser, Symmetric
 from kshell.distributed.koiter import PartedDiscretisation, PartedKoiter
 from kshell.distributed.matrix import Scattered
 from kshell.distributed.team import Team
 from kshell.equilibrium.linear import LinearSolver
-from kshell.equilibrium.model import Solved
+from kshell.equilibrium.model import NO_DENSITY, Solved
 from kshell.equilibrium.problem import Problem
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Added
+from kshell.errors import InputError
 from kshell.scene.structure import Structure
+from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.model import KoiterModel
 
 Floats = NDArray[np.float64]
@@ -102,6 +104,31 @@ class PartedKoiterModel(KoiterModel):
             f"shells are factorised, on {self.team.size} {'process' if self.team.size == 1 else 'processes'}"
         )
         return Solved(found.x, NAME, why, found.iterations, found.own)
+
+    def of_order(self, order: int) -> KoiterModel:
+        return PartedKoiterModel(self.team, self.structure, order, self.reasons)
+
+    def stiffness(self) -> Any:
+        problem, stiffness = self.problem, self.problem.energy.linear_stiffness()
+        stiffness = stiffness if problem.springs is None else stiffness + problem.springs
+        return Symmetric.of(stiffness, problem.reduction)
+
+    def mass(self) -> Any:
+        whole: Any = self.full_mass()
+        if not whole.diagonal().any():
+            raise InputError(NO_DENSITY)
+        return Symmetric.of(whole, self.problem.reduction)
+
+    def full_mass(self) -> Any:
+        problem, energy = self.problem, cast(PartedKoiter, self.problem.energy)
+        own = energy.own
+
+        def mine() -> sp.csr_matrix:
+            points, _ = problem.discretisation.interior_points(own)
+            return mass(energy.surface, problem.section.mass(own, points), own)
+
+        found = Scattered(self.team, self.team.together(mine), energy.owner)
+        return found if problem.added_mass is None else found + problem.added_mass
 
     def equilibrium(self) -> Problem:
         whole = super().equilibrium()

@@ -37,7 +37,7 @@ class Scattered:
 
     def __init__(self, team: Team, local: sp.csr_matrix, owner: Ints) -> None:
         self.team, self.local, self.owner = team, local, owner
-        self.shape = local.shape
+        self.shape, self.dtype = local.shape, local.dtype
 
     def __matmul__(self, x: Floats) -> Floats:
         """The product with vectors (unknowns,) or (unknowns, k), on all processes."""
@@ -50,10 +50,37 @@ class Scattered:
     def plus(self, other: sp.spmatrix, factor: float = 1.0) -> Scattered:
         """The sum with a multiple of a matrix that all processes know: each adds its rows."""
         mine = sp.diags((self.owner == self.team.rank).astype(float))
-        return Scattered(self.team, (self.local + factor * (mine @ other)).tocsr(), self.owner)
+        return self._with(self.local + factor * (mine @ other))
 
-    def __add__(self, other: sp.spmatrix) -> Scattered:
+    def __add__(self, other: sp.spmatrix | Scattered) -> Scattered:
+        if isinstance(other, Scattered):
+            return self._with(self.local + other.local)
         return self.plus(other)
+
+    def __sub__(self, other: Scattered) -> Scattered:
+        return self._with(self.local - other.local)
+
+    def __rmul__(self, factor: float) -> Scattered:
+        return self._with(factor * self.local)
+
+    def __abs__(self) -> Scattered:
+        """Not less than the sizes of the entries of the sum."""
+        return self._with(abs(self.local))
+
+    def _with(self, local: sp.spmatrix) -> Scattered:
+        return type(self)(self.team, local.tocsr(), self.owner)
+
+    def tocsr(self) -> Scattered:
+        """Itself."""
+        return self
+
+    def toarray(self) -> Floats:
+        """All of it, on all processes: of small matrices."""
+        return self.team.sum(self.shape, self.local.toarray)
+
+    def matvec(self, x: Floats) -> Floats:
+        """The product with one vector."""
+        return self @ np.ravel(x)
 
 
 class Numbering:

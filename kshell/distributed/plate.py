@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.distributed.matrix import Scattered
+from kshell.distributed.factor import Symmetric
 from kshell.distributed.multigrid import PetscMultigrid
 from kshell.distributed.partition import partition
 from kshell.distributed.prepared import PetscFactorisation
 from kshell.distributed.team import Team
-from kshell.equilibrium.model import Solved
+from kshell.equilibrium.model import NO_DENSITY, Solved
+from kshell.errors import InputError
 from kshell.plate.assembly import Assembled, assemble_load, assemble_part
 from kshell.plate.model import PlateModel
 from kshell.plate.pattern import FullPattern, Pattern
@@ -64,7 +65,7 @@ class PartedPlateProblem(PlateProblem):
             [*self.loads.forms, *self.supports.hold_loads], self.domain, self.reduction
         )
         return Assembled(
-            Scattered(team, own.matrix, self.owner),
+            Symmetric(team, own.matrix, self.owner),
             load,
             work,
             team.sum((self.reduction.count,), lambda: own.fixed_load),
@@ -98,6 +99,21 @@ class PartedPlateModel(PlateModel):
 
     def _posed(self, structure: Structure, element: Any) -> PartedPlateProblem:
         return PartedPlateProblem(self.team, structure, element)
+
+    def like(self, structure: Structure, element: str) -> PlateModel:
+        return PartedPlateModel(self.team, structure, element)
+
+    def mass(self) -> Any:
+        problem = self.problem
+        assert isinstance(problem, PartedPlateProblem)
+        own, inertia = problem.own, problem.inertia
+        local = self.team.together(
+            lambda: assemble_part(inertia, problem.domain, problem.reduction, own).matrix
+        )
+        found = Symmetric(self.team, local, problem.owner)
+        if not found.diagonal().any():
+            raise InputError(NO_DENSITY)
+        return found
 
     def product(self) -> Callable[[Floats], Floats]:
         problem = self.problem

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import time
 
-import numpy as np
 import scipy.sparse as sp
 
-from kshell.distributed.factor import NAME, PetscFactoriser
+from kshell.distributed.factor import NAME, whole_factoriser
 from kshell.distributed.matrix import Scattered
-from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
 from kshell.solvers.checks import free_motion_error, require_stiff, softest_vector
 from kshell.solvers.direct import SHIFT, Factorisation
@@ -45,13 +43,6 @@ class PetscFactorisation(Factorisation):
             raise _named(matrix, space, error) from None
         self.setup_seconds = time.perf_counter() - begin
         self._unused = True
-
-
-def whole_factoriser(matrix: Scattered) -> PetscFactoriser:
-    """For matrices on free unknowns."""
-    size = matrix.shape[0]
-    every = Reduction(sp.identity(size, format="csc"), np.zeros(size), np.zeros(0, dtype=np.int64))
-    return PetscFactoriser(matrix.team, every, matrix.owner)
 
 
 def _named(matrix: Scattered, space: PlateSpace, error: SolveError) -> SolveError:

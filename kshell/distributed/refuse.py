@@ -9,7 +9,7 @@ from kshell.scene.scene import Scene
 ALONE = "not on several processes (PETSc):"
 INSTEAD = "run it as one process without solver = petsc"
 
-ANALYSES = ("static", "path")
+ANALYSES = ("static", "path", "modes")
 
 
 def require_parted(scene: Scene, options: SolveOptions, resume: bool = False) -> None:
@@ -26,6 +26,7 @@ def require_parted(scene: Scene, options: SolveOptions, resume: bool = False) ->
         (scene.contact is not None, "contact"),
         (scene.imperfection is not None, "an imperfection"),
         (options.branch != 0, "branch, which leaves a path at a bifurcation"),
+        (options.prestress, "prestress"),
         (options.element == "hhj", 'element = "hhj"'),
         (resume, "resume"),
     ):

@@ -68,6 +68,10 @@ class PlateModel(Model):
     def _posed(self, structure: Structure, element: PlateElement) -> PlateProblem:
         return PlateProblem(structure, element)
 
+    def like(self, structure: Structure, element: str) -> PlateModel:
+        """Another plate, computed in the same way."""
+        return PlateModel(structure, element)
+
     @property
     def unknowns(self) -> int:
         return self.problem.reduction.count

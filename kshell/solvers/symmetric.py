@@ -55,6 +55,9 @@ def factorise_symmetric(matrix: Any, definite: bool) -> SymmetricFactor:
     Singular
         If a pivot is zero.
     """
+    if hasattr(matrix, "factorised"):  # one that several processes have knows how
+        divided: SymmetricFactor = matrix.factorised(definite)
+        return divided
     if definite and CHOLMOD.installed:
         indptr, indices, data = _lower(matrix)
         try:

@@ -44,6 +44,7 @@ def scene(**more: object) -> ks.Scene:
         ({"analysis": "dynamic", "time": 1.0}, 'analysis = "dynamic"'),
         ({"tolerance": 0.01}, "tolerance"),
         ({"analysis": "path", "branch": 1}, "branch"),
+        ({"analysis": "modes", "prestress": True}, "prestress"),
         ({"element": "hhj"}, "hhj"),
     ],
 )

@@ -6,7 +6,8 @@ solved in one run, because processes take longer to start than to solve.
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -178,15 +179,55 @@ SCENES: dict[str, tuple[Callable[[], ks.Scene], float, float]] = {
 }
 
 
-@pytest.fixture(scope="module", params=[1, 2, 4])
-def several(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with the results of all scenes on some processes."""
-    folder = tmp_path_factory.mktemp(f"processes-{request.param}")
-    for name, (make, _, _) in SCENES.items():
-        make().save(folder / f"{name}.toml")
-    done = run_code(request.param, PROGRAM, folder)
-    assert done.returncode == 0, done.stderr
-    return folder
+def vibrating(supports: list[Any], mesh: ks.Mesh, **options: Any) -> ks.Scene:
+    return ks.Scene(
+        mesh=mesh,
+        thickness=0.01,
+        material=ks.Isotropic(E=1e6, nu=0.3, density=1.0),
+        supports=supports,
+        solve={"analysis": "modes", "count": 4, **options},
+    )
+
+
+def square() -> ks.Mesh:
+    return ks.geometry.Plane().mesh(9, 8, 1, ("left", "right", "bottom", "top"), (0.0, 1.0), (0.0, 1.0))
+
+
+MODES: dict[str, Callable[[], ks.Scene]] = {
+    "modes-shell": lambda: vibrating([ks.Clamped("wall"), ks.Elastic("free", 1.0, "xyz")], roof_mesh()),
+    "modes-free": lambda: vibrating([], roof_mesh()),
+    "modes-plate": lambda: vibrating([ks.Clamped("left"), ks.SimplySupported("top")], square()),
+    "modes-morley": lambda: vibrating([ks.Clamped("left")], square(), element="morley"),
+}
+
+
+# which are solved on how many processes: more of them than cores wait for each other most of the time
+ON: dict[int, list[str]] = {
+    1: ["roof-3", "cases", "auto", "argyris", "modes-plate"],
+    2: [*SCENES, *MODES],
+    4: ["roof-1", "roof-2", "roof-2-thin", "branched", "morley"],
+}
+
+
+@pytest.fixture(scope="module")
+def several(tmp_path_factory: pytest.TempPathFactory) -> Callable[[int], Path]:
+    """Makes a folder with the results of scenes on some processes."""
+
+    @cache
+    def solved(ranks: int) -> Path:
+        folder = tmp_path_factory.mktemp(f"processes-{ranks}")
+        makers = {**{name: make for name, (make, _, _) in SCENES.items()}, **MODES}
+        for name in ON[ranks]:
+            makers[name]().save(folder / f"{name}.toml")
+        done = run_code(ranks, PROGRAM, folder)
+        assert done.returncode == 0, done.stderr
+        return folder
+
+    return solved
+
+
+def pairs(of: Iterable[str]) -> list[tuple[int, str]]:
+    return [(ranks, name) for ranks, names in ON.items() for name in names if name in of]
 
 
 def differences(one: Any, other: Any, where: str = "", scale: float = 0.0) -> list[tuple[float, str]]:
@@ -223,17 +264,40 @@ def without_rounding(document: dict[str, Any]) -> dict[str, Any]:
     return document
 
 
-@pytest.mark.parametrize("name", list(SCENES))
-def test_several_processes_find_what_one_does(several: Path, name: str) -> None:
+@pytest.mark.parametrize(("ranks", "name"), pairs(SCENES))
+def test_several_processes_find_what_one_does(several: Callable[[int], Path], ranks: int, name: str) -> None:
     _, tight, bound = SCENES[name]
-    alone = ks.solve(ks.Scene.load(several / f"{name}.toml"))
-    found = json.loads((several / name / "result.json").read_text(encoding="utf-8"))
+    folder = several(ranks)
+    alone = ks.solve(ks.Scene.load(folder / f"{name}.toml"))
+    found = json.loads((folder / name / "result.json").read_text(encoding="utf-8"))
     expected = json.loads(json.dumps(alone.to_dict()))
     assert len(found["warnings"]) == len(expected["warnings"])
     assert len(found["path"]) == len(expected["path"])
     for difference, where in differences(without_rounding(expected), without_rounding(found)):
         if not any(word in where for word in ROUNDING):
             assert difference <= (tight if where.endswith(("].u", ".u")) else bound), where
-    loaded = ks.Result.load(several / name)
+    assert found["solver"]["processes"] == ranks
+    loaded = ks.Result.load(folder / name)
     own = alone.fields["displacement"]
     assert np.abs(loaded.fields["displacement"] - own).max() <= tight * np.abs(own).max()
+
+
+@pytest.mark.parametrize(("ranks", "name"), pairs(MODES))
+def test_several_processes_find_the_modes_that_one_does(
+    several: Callable[[int], Path], ranks: int, name: str
+) -> None:
+    folder = several(ranks)
+    alone = ks.solve(ks.Scene.load(folder / f"{name}.toml"))
+    found = json.loads((folder / name / "result.json").read_text(encoding="utf-8"))
+    expected = json.loads(json.dumps(alone.to_dict()))
+    assert len(found["eigen"]) == len(expected["eigen"])
+    for one, other in zip(found["eigen"], expected["eigen"], strict=True):
+        assert one["kind"] == other["kind"]
+        for key in ("value", "lower", "upper"):
+            assert one[key] == pytest.approx(other[key], rel=1e-9, abs=1e-300)
+        assert one["effective_mass"] == pytest.approx(other["effective_mass"], rel=1e-7, abs=1e-9)
+    assert found["warnings"] == expected["warnings"]
+    fields = ks.Result.load(folder / name).fields
+    for mode in alone.fields:
+        shape = alone.fields[mode]
+        assert np.abs(fields[mode] - shape).max() <= 1e-6 * np.abs(shape).max()

@@ -67,6 +67,10 @@ class KoiterModel(ShellModel):
     def yields(self) -> bool:
         return isinstance(self.problem.energy, YieldingKoiter)
 
+    def of_order(self, order: int) -> KoiterModel:
+        """The same shell with elements of another order."""
+        return KoiterModel(self.structure, order, self.reasons)
+
     def contact_surface(self) -> tuple[Floats, NDArray[np.integer]]:
         surface = self.problem.discretisation.surface
         return surface.nodes, surface.triangle_nodes[:, subdivision(self.order)].reshape(-1, 3)
