@@ -234,3 +234,17 @@ def test_a_part_keeps_what_its_section_says_of_its_triangles() -> None:
     np.testing.assert_array_equal(part.bending, section.bending[mine])
     surface = KoiterDiscretisation(mesh, 2, None, np.zeros(0, dtype=np.int64)).surface
     np.testing.assert_allclose(part_of(surface, mine).area_elements, surface.area_elements[mine], rtol=1e-14)
+
+
+def test_what_remembers_its_past_is_refused() -> None:
+    from kshell.material.inelastic import Inelastic
+
+    given = (roof(1), 1, None, np.zeros(0, dtype=np.int64))
+
+    def work(team: Team) -> Any:
+        inelastic = Inelastic(relaxation=((np.array([0.5]), 1.0),))
+        return PartedDiscretisation(team, *given).energy(Section.isotropic(1.0, 0.3, 0.01), inelastic)
+
+    for error in played(2, work):
+        assert isinstance(error, ks.InputError)
+        assert "relax" in str(error)
