@@ -120,7 +120,10 @@ def barrier_of(
 
 
 def _pressure(problem: Problem, nodes: int, area: float) -> float:
-    forces = problem.load[: 3 * nodes].reshape(-1, 3)
+    load = problem.load
+    if problem.follower is not None:
+        load = load + problem.follower(np.zeros_like(load))[0]
+    forces = load[: 3 * nodes].reshape(-1, 3)
     return float(np.linalg.norm(forces, axis=1).sum()) / area
 
 

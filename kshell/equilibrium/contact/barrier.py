@@ -28,6 +28,8 @@ BACK = 0.9
 # obstacles that move leave this part of the smallest gap, and wait where it is below a part of the distance, until the
 # shell has followed: a step moves it by less than another part of the distance
 LEFT, LOW, CALM = 0.5, 0.1, 0.1
+# gap against the distance from which on nothing gives way any more
+SHUT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,7 @@ def library() -> Any:
     except ImportError:
         raise InputError(MISSING) from None
     ipctk.set_num_threads(1)
+    ipctk.set_logger_level(ipctk.LoggerLevel.error)  # it would write among what is asked for on stdout
     return ipctk
 
 
@@ -230,13 +233,21 @@ class Barrier:
             self._sliding.build(surfaces.mesh, places, near, self._barrier, self.touch.friction)
 
     def advance(self, x: Floats) -> bool:
-        """Move obstacles toward their places at the end of the step as far as x lets them; whether they are there."""
+        """Move obstacles toward their places at the end of the step as far as x lets them; whether they are there.
+
+        Raises
+        ------
+        SolveError
+            If they press against what does not give way.
+        """
         if self._made == 1.0:
             return True
         touch, before = self.touch, self._at(x)
         gap = self._gap_of(before)
         if gap < LOW * touch.distance and not self._calm:
             return False
+        if gap < SHUT * touch.distance:
+            raise SolveError("an obstacle that moves meets a part that supports hold, and cannot go on")
         part = self._free(before, self.surfaces.at(x, self._end))
         made = 1.0 if part >= 1.0 else BACK * part
         while self._gap_of(self._between(x, self._made + made * (1.0 - self._made))) < LEFT * gap:
