@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         SoftSupported,
         Symmetry,
     )
+    from kshell.values.tables import table
 
 __all__ = [
     "Anisotropic",
@@ -110,6 +111,7 @@ __all__ = [
     "slit",
     "solve",
     "sweep",
+    "table",
     "trace",
 ]
 
@@ -168,6 +170,7 @@ _LAZY = {
     "Mapped": "kshell.scene.mapped",
     "Mass": "kshell.scene.masses",
     "mac": "kshell.result.mac",
+    "table": "kshell.values.tables",
 }
 
 

@@ -134,7 +134,7 @@ class Moving:
             )
         if touching:
             self.words += f"; {how}"
-        self.velocity = scene.initial_velocity
+        self.velocity, self.displacement = scene.initial_velocity, scene.initial_displacement
 
     def _barrier(self, run: Run, mass: Any) -> tuple[Barrier, str]:
         """The barrier of contact."""
@@ -193,7 +193,11 @@ class Moving:
                 self.model.structure, loads=(Placed(Gravity(self.velocity.value), place),)
             )
             momentum = self.model.loaded(pushed).equilibrium().load
-        return self.integrator.start(momentum)
+        x = None
+        if self.displacement is not None:
+            place_of = Gravity(self.displacement.value)
+            x = self.model.displaced(place_of.at)
+        return self.integrator.start(momentum, x, self.steps.first)
 
     def observer(self) -> Observer:
         """What keeps the history."""
@@ -302,7 +306,7 @@ def _fingerprint(moving: Moving, run: Run) -> str:
     options, scene = run.options, run.scene
     way = (options.time, options.step, options.scheme, options.output, options.ramp)
     given: tuple[Any, ...] = (scene.contact, scene.obstacles, scene.cuts)
-    given += (scene.loads, scene.supports, scene.initial_velocity, scene.damping)
+    given += (scene.loads, scene.supports, scene.initial_velocity, scene.initial_displacement, scene.damping)
     return f"{moving.model.fingerprint()} {moving.integrator.mass.sum()!r} {way} {given}"
 
 

@@ -250,6 +250,18 @@ class FiniteModel(Model):
             If there is no such probe.
         """
 
+    def displaced(self, displacement: Callable[[Floats], Floats]) -> Floats:
+        """(unknowns,) of a displacement (n, 3) given at places (n, 3); rotations are left at zero.
+
+        Raises
+        ------
+        InputError
+            If the element takes none.
+        """
+        raise InputError(
+            f'initial displacements are not for the element {self.element}: take element = "koiter"'
+        )
+
     @property
     def yields(self) -> bool:
         """Whether what a load leaves behind depends on the way it grew."""

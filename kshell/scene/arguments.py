@@ -13,7 +13,7 @@ from kshell.scene.blocks import Cut
 from kshell.scene.cases import Case, Combination
 from kshell.scene.contact import Contact, obstacle_from
 from kshell.scene.masses import Mass
-from kshell.scene.motion import Damping
+from kshell.scene.motion import Damping, InitialVelocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.reading import (
     chart_from_dict,
@@ -32,6 +32,7 @@ from kshell.scene.reading import (
     table_of,
 )
 from kshell.scene.sections import merged_groups
+from kshell.values.tables import with_tables
 from kshell.values.validation import unknown_key
 
 # key of the file: argument of Scene
@@ -77,6 +78,8 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
     for key in data:
         if key not in KEYS:
             raise InputError(f"{source}: {unknown_key(key, KEYS)}")
+    with inside(source):
+        data = with_tables(data, folder)
     arguments = {key: data[key] for key in SIMPLE_KEYS if key in data}
     if "mesh" not in data:
         raise InputError(f'{source}: mesh is missing: give the path of the mesh, e.g. mesh = "plate.msh"')
@@ -122,8 +125,11 @@ def scene_arguments(data: Mapping[str, Any], folder: Path, source: str) -> dict[
     ]
     arguments["masses"] = each_block(data.get("mass", []), "mass", source, lambda block: Mass(**block))
     if "initial" in data:
-        with inside(f"{source}, [initial]", "initial velocity: "):
-            arguments["initial_velocity"] = initial_from_dict(table_of(data["initial"]))
+        with inside(f"{source}, [initial]", "initial: "):
+            begin = initial_from_dict(table_of(data["initial"]))
+            arguments["initial_displacement"] = begin.displacement
+            if begin.velocity is not None:
+                arguments["initial_velocity"] = InitialVelocity(begin.velocity, begin.on)
     if "contact" in data:
         with inside(f"{source}, [contact]", "contact: "):
             given = table_of(data["contact"])

@@ -23,7 +23,7 @@ from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
 from kshell.scene.masses import Mass
-from kshell.scene.motion import Damping, InitialVelocity
+from kshell.scene.motion import Damping, Initial
 from kshell.scene.options import SolveOptions
 from kshell.scene.reading import GROUP_KEYS, NAMED_SUPPORTS
 from kshell.scene.scene import Scene
@@ -36,7 +36,6 @@ ABSENT = object()
 # file key: attribute of the model
 RENAMED = {
     Line: {"start": "from", "end": "to"},
-    InitialVelocity: {"value": "velocity"},
     Fixed: {"freedoms": "fix"},
 }
 MATERIALS = {"isotropic": Isotropic, "orthotropic": Orthotropic, "anisotropic": Anisotropic}
@@ -170,7 +169,7 @@ def _blocks() -> Iterator[Block]:
         (Mass, "mass"),
     ):
         yield _block(cls, name, f"[[{name}]]")
-    yield _block(InitialVelocity, "initial", "[initial]")
+    yield _block(Initial, "initial", "[initial]")
     yield _block(Damping, "damping", "[damping]")
     yield _contact()
     yield from _obstacles()

@@ -24,18 +24,56 @@ class InitialVelocity:
         Numbers or expressions in x, y, z, or a function f(x, y, z) that returns three components.
     on : str or list of str, optional
         Surface groups that move; everything if absent.
+    """
+
+    value: VectorValue
+    on: On | None = None
+
+
+@described("initial")
+class Initial:
+    """How a motion begins.
+
+    Attributes
+    ----------
+    velocity : vector, optional [length / time]
+        At the time 0; numbers or expressions in x, y, z.
+    displacement : vector, optional [length]
+        At the time 0; from there it moves.
+    on : str or list of str, optional
+        Surface groups that have the velocity; everything if absent.
 
     Examples
     --------
     ```toml
     [initial]
     velocity = [0, 0, "2*x"]
+    displacement = [0, 0, "0.01*sin(pi*x)"]
     on = "plate"
     ```
     """
 
-    value: VectorValue
+    velocity: VectorValue = None
+    displacement: VectorValue = None
     on: On | None = None
+
+
+@described("initial displacement")
+class InitialDisplacement:
+    """The displacement at the time 0.
+
+    Attributes
+    ----------
+    value : vector [length]
+        Numbers or expressions in x, y, z, or a function f(x, y, z) that returns three components.
+    """
+
+    value: VectorValue
+
+
+def initial_displacement(value: Any) -> InitialDisplacement | None:
+    """From what a scene takes: a vector or a function."""
+    return value if value is None or isinstance(value, InitialDisplacement) else InitialDisplacement(value)
 
 
 def initial_velocity(value: Any) -> InitialVelocity | None:

@@ -16,7 +16,7 @@ from kshell.scene.blocks import Probe
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import LOADS
-from kshell.scene.motion import InitialVelocity
+from kshell.scene.motion import Initial
 from kshell.scene.places import as_probe
 from kshell.scene.supports import (
     Clamped,
@@ -98,14 +98,12 @@ def imperfection_from_dict(data: dict[str, Any], folder: Path) -> Imperfection:
     return found if found.file is None else Imperfection(**{**data, "file": folder / found.file})
 
 
-def initial_from_dict(data: dict[str, Any]) -> InitialVelocity:
-    """How a motion begins: its velocity, and where."""
-    for key in data:
-        if key not in ("velocity", "on"):
-            raise InputError(unknown_key(key, ["velocity", "on"]))
-    if "velocity" not in data:
-        raise InputError("velocity is missing: give [vx, vy, vz]")
-    return InitialVelocity(data["velocity"], data.get("on"))
+def initial_from_dict(data: dict[str, Any]) -> Initial:
+    """How a motion begins: its velocity, and where, and its displacement."""
+    begin = Initial(**data)
+    if begin.velocity is None and (begin.displacement is None or begin.on is not None):
+        raise InputError("velocity is missing: give [vx, vy, vz]; on is where it is")
+    return begin
 
 
 def support_from_dict(data: dict[str, Any]) -> Any:

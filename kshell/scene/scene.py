@@ -27,7 +27,7 @@ from kshell.scene.imperfection import Imperfection
 from kshell.scene.line import Line
 from kshell.scene.loads import Load
 from kshell.scene.masses import Mass
-from kshell.scene.motion import damping, initial_velocity
+from kshell.scene.motion import damping, initial_displacement, initial_velocity
 from kshell.scene.options import SolveOptions
 from kshell.scene.places import as_point, as_probe
 from kshell.scene.reading import inside
@@ -166,6 +166,8 @@ class Scene:
         and surfaces there, which makes it one of order 2.
     initial_velocity : (vx, vy, vz), function f(x, y, z), or {"value": ..., "on": group}, optional
         At the start of a motion.
+    initial_displacement : (ux, uy, uz) or function f(x, y, z), optional [length]
+        At the start of a motion, which goes on from there.
     damping : Damping or dict, optional
         Of a motion, or a response.
     contact : Contact or dict, optional
@@ -225,6 +227,7 @@ class Scene:
     cuts: Annotated[Any, BeforeValidator(_cuts)] = ()
     masses: Any = ()
     initial_velocity: Any = None
+    initial_displacement: Any = None
     damping: Any = None
     contact: Any = None
     obstacles: Any = ()
@@ -250,6 +253,7 @@ class Scene:
                 "ks.Imperfection(amplitude=0.001)"
             )
         object.__setattr__(self, "initial_velocity", initial_velocity(self.initial_velocity))
+        object.__setattr__(self, "initial_displacement", initial_displacement(self.initial_displacement))
         object.__setattr__(self, "damping", damping(self.damping))
         object.__setattr__(self, "obstacles", obstacles(self.obstacles))
         touching = contact(self.contact)

@@ -56,7 +56,9 @@ def scene_data(scene: Scene) -> dict[str, Any]:
             data["cut"] = [{"on": list(value)}] if value else []
         elif key == "initial_velocity":
             begin = _block(value)
-            data["initial"] = {"velocity": begin.pop("value"), **begin}
+            data["initial"] = {**data.get("initial", {}), "velocity": begin.pop("value"), **begin}
+        elif key == "initial_displacement":
+            data["initial"] = {**data.get("initial", {}), "displacement": _block(value)["value"]}
         elif key == "obstacles":
             data["contact"] = {**data.get("contact", {}), "with": [_obstacle(body) for body in value]}
         elif key == "contact":

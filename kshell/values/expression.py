@@ -14,6 +14,7 @@ import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import reduce
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.errors import InputError
 from kshell.values.naming import listing, suggestion
 
-LONGEST_TEXT = 2000
+LONGEST_TEXT = 200_000
 DEEPEST_NESTING = 150
 
 PLACE = ("x", "y", "z")
@@ -56,6 +57,7 @@ FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
     "min": (2, None, lambda *a: reduce(np.minimum, a)),
     "max": (2, None, lambda *a: reduce(np.maximum, a)),
     "where": (3, 3, np.where),
+    "interp": (5, None, lambda x, *pairs: np.interp(x, pairs[::2], pairs[1::2])),
 }
 
 ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
@@ -203,6 +205,19 @@ class _Checker:
             wanted = f"{fewest}" if fewest == most else f"at least {fewest}"
             noun = "argument" if wanted == "1" else "arguments"
             raise self.refuse(node, f"{name} takes {wanted} {noun}, not {len(arguments)}")
+        if name == "interp":
+            self.check_interp(node, arguments)
+
+    def check_interp(self, node: ast.AST, arguments: list[ast.expr]) -> None:
+        try:
+            places = [float(ast.literal_eval(place)) for place in arguments[1::2]]
+            [float(ast.literal_eval(value)) for value in arguments[2::2]]
+        except (ValueError, TypeError):
+            raise self.refuse(node, "interp takes numbers after its first argument") from None
+        if len(arguments) % 2 == 0:
+            raise self.refuse(node, "interp takes a place and pairs: interp(t, t0, value0, t1, value1, ...)")
+        if any(after <= before for before, after in pairwise(places)):
+            raise self.refuse(node, "interp: its places must rise")
 
 
 def _shortened(text: str) -> str:

@@ -6,6 +6,7 @@ import ast
 import math
 from collections.abc import Sequence
 from functools import reduce
+from itertools import pairwise
 from typing import Any
 
 import sympy
@@ -131,6 +132,17 @@ def _convert(node: ast.expr, symbols: dict[str, Any], text: str) -> Any:
             return sympy.Piecewise((number(body), condition(test)), (number(orelse), True))
         case ast.Call(func=ast.Name(id="where"), args=[test, body, orelse]):
             return sympy.Piecewise((number(body), condition(test)), (number(orelse), True))
+        case ast.Call(func=ast.Name(id="interp"), args=[place, *pairs]):
+            return _interpolated(number(place), [number(n) for n in pairs])
         case ast.Call(func=ast.Name(id=name), args=arguments):
             return FUNCTIONS[name](*(number(n) for n in arguments))
     raise AssertionError(f"{type(node).__name__} passed the check but has no symbolic form")
+
+
+def _interpolated(x: Any, pairs: list[Any]) -> Any:
+    """Straight between places pairs[::2] with values pairs[1::2], constant beyond."""
+    places, values = pairs[::2], pairs[1::2]
+    pieces = [(values[0], x <= places[0])]
+    for (a, b), (u, v) in zip(pairwise(places), pairwise(values), strict=True):
+        pieces.append((u + (x - a) * (v - u) / (b - a), x <= b))
+    return sympy.Piecewise(*pieces, (values[-1], True))

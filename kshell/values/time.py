@@ -6,6 +6,8 @@ import ast
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from kshell.errors import InputError
 from kshell.values.expression import NORMAL
 
@@ -61,3 +63,14 @@ class _AtTime(ast.NodeTransformer):
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         return ast.Constant(self.time) if node.id == TIME else node
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        """Tables are looked up once for all places."""
+        if not isinstance(node.func, ast.Name) or node.func.id != "interp":
+            return self.generic_visit(node)  # type: ignore[return-value]
+        node.args[0] = self.visit(node.args[0])
+        if not isinstance(node.args[0], ast.Constant):
+            return node
+        pairs = [float(ast.literal_eval(part)) for part in node.args[1:]]
+        found = np.interp(float(node.args[0].value), pairs[::2], pairs[1::2])  # type: ignore[arg-type]
+        return ast.Constant(float(found))

@@ -172,6 +172,64 @@ def test_prescribed_motion_in_time():
     assert u[half, 2] == pytest.approx(0.005, rel=2e-2)
 
 
+def test_a_displacement_let_go():
+    """Let go where a force held it, a cantilever swings from there with its first period, and back to there."""
+    force = 1e-3 * 3 * E * WIDTH * THICKNESS**3 / 12 / LENGTH**3
+
+    def bent(x, y, z):
+        return 0 * x, 0 * x, 1e-3 * (3 * LENGTH * x**2 - x**3) / (2 * LENGTH**3)
+
+    scene = cantilever(initial_velocity=None, initial_displacement=bent)
+    result = ks.simulate(scene, time=1.25 * PERIOD)
+    z = result.history["probes"]["tip"]["u"][:, 2]
+    assert z[0] == pytest.approx(1e-3, rel=1e-12)
+    energy = result.history["strain_energy"]
+    assert energy[0] == pytest.approx(0.5 * force * 1e-3, rel=0.1)  # of parabolas, four of them
+    assert result.history["kinetic_energy"].max() == pytest.approx(0.5 * force * 1e-3, rel=0.03)
+    assert z[20] == pytest.approx(-1e-3, rel=0.06)  # the second mode has 2.5 %
+    assert z[40] == pytest.approx(1e-3, rel=0.06)
+    with pytest.raises(ks.InputError, match="moves what supports hold"):
+        ks.simulate(cantilever(initial_displacement=(0, 0, 1e-3)))
+
+
+def test_loads_from_tables(tmp_path):
+    """A load from a file is the one of the formula; scene files name the file."""
+    times = np.linspace(0, 2 * PERIOD, 9)
+    rows = [f"{t:.17g}; {abs(t - PERIOD):.17g}" for t in times]
+    (tmp_path / "gust.csv").write_text("time; factor\n" + "\n".join(rows) + "\n")
+    common = {"initial_velocity": None}
+    formula = cantilever(loads=[ks.Traction((0, 0, f"10*abs(t - {PERIOD})"))], **common)
+    text = f"10*{ks.table(tmp_path / 'gust.csv')}"
+    found = cantilever(loads=[ks.Traction((0, 0, text))], **common)
+    first, second = (
+        ks.simulate(scene, time=1.5 * PERIOD).history["probes"]["tip"]["u"] for scene in (formula, found)
+    )
+    assert second == pytest.approx(first, abs=1e-9 * np.abs(first).max())
+    (tmp_path / "s.toml").write_text(
+        'mesh = "m.msh"\nthickness = 0.01\n[material]\nE = 1e9\nnu = 0.3\ndensity = 1000\n'
+        '[initial]\ndisplacement = [0, 0, "0.01*x"]\n'
+        '[[load]]\nkind = "pressure"\nvalue = "1000*table(\'gust.csv\')"\n'
+    )
+    scene = ks.Scene.load(tmp_path / "s.toml")
+    assert at_time(scene.loads[0].value, 0.25 * PERIOD) == f"1000 * {0.75 * PERIOD}"
+    assert scene.initial_displacement.value == (0, 0, "0.01*x")
+    assert scene.initial_velocity is None
+    for content, words in (
+        ("a, b\n0, 1\n", "two rows"),
+        ("0, 1\n1\n", "two finite numbers"),
+        ("0, 1\n1, 2\n1, 3\n", "must rise"),
+    ):
+        (tmp_path / "gust.csv").write_text(content)
+        with pytest.raises(ks.InputError, match=words):
+            ks.Scene.load(tmp_path / "s.toml")
+    (tmp_path / "gust.csv").unlink()
+    with pytest.raises(ks.InputError, match="cannot be read"):
+        ks.Scene.load(tmp_path / "s.toml")
+    for formula in ("interp(t, 0, 1, 0, 2)", "interp(t, 0, 1, x, 2)", "interp(t, 0, 1, 2, 3, 4)"):
+        with pytest.raises(ks.InputError, match="interp"):
+            ks.Pressure(formula)
+
+
 def test_steps_adapt():
     """The first step is a fortieth of the first period; a jolt is followed with shorter ones than rest."""
     scene = cantilever(

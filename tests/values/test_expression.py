@@ -28,6 +28,7 @@ FORMULAS = {
     "1.5e3": np.full(4, 1500.0),
     "x == 0 or y == 3": ((X == 0) | (Y == 3)).astype(float),
     "log10(100) + log(e) + sqrt(y*y)": 3.0 + np.abs(Y),
+    "interp(x, -1, 2, 0, 0, 0.5, 3)": np.interp(X, [-1, 0, 0.5], [2, 0, 3]),
 }
 
 
@@ -57,7 +58,7 @@ def test_symbolic_forms_can_be_differentiated():
 
 
 def test_every_function_has_a_symbolic_form():
-    assert set(SYMBOLIC) | {"where"} == set(FUNCTIONS)
+    assert set(SYMBOLIC) | {"where", "interp"} == set(FUNCTIONS)
 
 
 def test_other_variables_and_scalars():

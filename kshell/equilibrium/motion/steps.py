@@ -22,10 +22,14 @@ from kshell.equilibrium.motion.schemes import Alpha, Bdf2, Euler, Scheme, earlie
 from kshell.equilibrium.motion.state import Before, Motion
 from kshell.equilibrium.newton import correct
 from kshell.equilibrium.problem import Problem, State
-from kshell.errors import SolveError
+from kshell.errors import InputError, SolveError
 
 Floats = NDArray[np.float64]
 
+# part of an initial displacement that supports may hold, which is rounding
+HELD = 1e-9
+# share of step^2 times the stiffness beside the mass in the first acceleration of what is bent by hand: beta of alpha
+UNRESOLVED = 0.31
 # what the factorisation and patterns of one step leave for the next
 KEPT = ("_factoriser", "_springs_added", "_load_added")
 ENERGY_MOMENTUM = "em"
@@ -93,13 +97,47 @@ class Integrator:
             out[self._moving] = self._solve((self._basis.T @ force)[self._moving])
         return np.where(self.massive, self._basis @ out, 0.0)
 
-    def start(self, momentum: Floats | None = None) -> Motion:
-        """The motion at the time 0, at rest or with a momentum (unknowns,)."""
+    def start(self, momentum: Floats | None = None, x: Floats | None = None, size: float = 0.0) -> Motion:
+        """The motion at the time 0, at rest or with a momentum (unknowns,), and where it is if not as meshed.
+
+        What is bent by hand has accelerations without bound as the mesh gets finer: of vibrations that a step does not
+        resolve, `size` long, they are those that the step makes of them.
+
+        Raises
+        ------
+        InputError
+            If x moves what supports hold.
+        SolveError
+            If rotations do not find their places.
+        """
         problem = self.loaded(0.0)
         still = np.zeros(problem.energy.unknowns)
         velocity = still if momentum is None else self.by_mass(momentum)
-        motion = self._finished(problem, 0.0, problem.start(), velocity, still, None, None)
-        return replace(motion, acceleration=self.by_mass(motion.force))
+        state = problem.start() if x is None else self._displaced(problem, x)
+        motion = self._finished(problem, 0.0, state, velocity, still, None, None)
+        if x is None:
+            return replace(motion, acceleration=self.by_mass(motion.force))
+        energy, _, _ = problem.evaluate(state.x, 1.0, 2, state.memory)
+        tangent = problem.factorise((self.mass + UNRESOLVED * size**2 * energy.hessian).tocsr())
+        smooth = self._basis @ tangent.solve(self._basis.T @ motion.force)
+        return replace(motion, acceleration=np.where(self.massive, smooth, 0.0))
+
+    def _displaced(self, problem: Problem, x: Floats) -> State:
+        """The state with displacements x, rotations in equilibrium."""
+        from scipy.sparse.linalg import spsolve
+
+        basis = self._basis.tocsc()
+        moving = basis[:, self._moving]
+        reached = moving @ spsolve((moving.T @ moving).tocsc(), moving.T @ x)
+        off = np.abs(np.where(self.massive, reached - x, 0.0)).max()
+        if off > HELD * np.abs(x).max():
+            raise InputError(
+                f"initial displacement: it moves what supports hold, by up to {off:.3g}: make it zero there"
+            )
+        rest = np.setdiff1d(np.arange(basis.shape[1]), self._moving)
+        turning = problem.reduction._replace(basis=basis[:, rest], given=np.zeros_like(x), following=None)
+        state = State(0.0, reached, problem.energy.rest)
+        return replace(minimise(replace(problem, reduction=turning), state, 1.0), iterations=0)
 
     def step(self, motion: Motion, size: float) -> Motion:
         """The motion a step later.

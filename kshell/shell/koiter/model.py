@@ -63,6 +63,12 @@ class KoiterModel(ShellModel):
     def _discretised(self, *given: Any) -> KoiterDiscretisation:
         return KoiterDiscretisation(*given)
 
+    def displaced(self, displacement: Callable[[Floats], Floats]) -> Floats:
+        surface = self.problem.discretisation.surface
+        x = np.zeros(surface.unknowns)
+        x[: surface.rotation_start] = displacement(surface.nodes).ravel()
+        return x
+
     @property
     def yields(self) -> bool:
         return isinstance(self.problem.energy, YieldingKoiter)
