@@ -130,6 +130,6 @@ class PartedKoiterModel(KoiterModel):
         found = Scattered(self.team, self.team.together(mine), energy.owner)
         return found if problem.added_mass is None else found + problem.added_mass
 
-    def equilibrium(self) -> Problem:
-        whole = super().equilibrium()
+    def near_rest(self) -> Problem:
+        whole = super().near_rest()
         return PartedProblem(**{f.name: getattr(whole, f.name) for f in fields(whole)})

@@ -229,7 +229,17 @@ class FiniteModel(Model):
 
     @abstractmethod
     def equilibrium(self) -> Problem:
-        """Energy, conditions and loads, all growing with one factor."""
+        """Energy, conditions and loads, all growing with one factor.
+
+        Raises
+        ------
+        InputError
+            If something in the structure has small turns only.
+        """
+
+    @abstractmethod
+    def near_rest(self) -> Problem:
+        """The same for a look at what is near a linear solution, whatever turns by small turns only."""
 
     @abstractmethod
     def full_mass(self) -> sp.csr_matrix:

@@ -32,7 +32,7 @@ Ints = NDArray[np.integer]
 ROUNDING = 1e-9
 SMALL_ONLY = (
     "its turns are small ones: rigid links are for small deflections (large_deflection = false), and not for buckling, "
-    "prestress or motion with large deflections"
+    "prestress or motion with large deflections; a thick, stiff sheet of shell in its place turns as far as it likes"
 )
 
 

@@ -168,6 +168,10 @@ class ShellModel(FiniteModel):
         return small_fields(self.problem, x).vertex_fields
 
     def equilibrium(self) -> Problem:
+        self.problem.require_no_links()
+        return self.near_rest()
+
+    def near_rest(self) -> Problem:
         return self.problem.equilibrium()
 
     @property

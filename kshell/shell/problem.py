@@ -146,8 +146,10 @@ class ShellProblem:
         return stiffness if section.constant_per_triangle else replace(stiffness, varying=at)
 
     def equilibrium(self) -> Problem:
-        """The same for large deflections, all loads and prescribed motions growing with one factor."""
-        self.require_no_links()
+        """The same for large deflections, all loads and prescribed motions growing with one factor.
+
+        Rigid links turn by small turns; what goes far asks `require_no_links` before.
+        """
         loads = self.loads
         dead = [force for k, force in enumerate(loads.forces) if k not in loads.followers]
         follower: Follower | None = None

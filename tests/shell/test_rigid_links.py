@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -13,8 +15,8 @@ BAR = ks.Isotropic(E=E, nu=0.0, density=1.0)
 POINT = (1.0, 0.5, 0.3)
 
 
-def solved(supports, loads, **options):
-    scene = ks.Scene(
+def scene_with(supports, loads):
+    return ks.Scene(
         mesh=rectangle(4),
         thickness=T,
         material=BAR,
@@ -22,7 +24,10 @@ def solved(supports, loads, **options):
         loads=loads,
         probes={"end": (1.0, 0.5, 0.0)},
     )
-    return ks.solve(scene, **{"large_deflection": False, **options})
+
+
+def solved(supports, loads, **options):
+    return ks.solve(scene_with(supports, loads), **{"large_deflection": False, **options})
 
 
 def test_a_force_off_the_axis_of_a_bar():
@@ -111,3 +116,30 @@ def test_what_links_refuse(extra, loads, options, words):
     link = ks.RigidLink("right", to=POINT, name="link")
     with pytest.raises(ks.InputError, match=words):
         solved([ks.Clamped("left"), link, *extra], loads, **options)
+
+
+@pytest.mark.parametrize(("force", "small"), [(1e-3, True), (1.0, False)])
+def test_by_itself_the_answer_is_linear_and_says_so_where_deflections_are_large(force, small):
+    link = ks.RigidLink("right", to=POINT, name="link")
+    supports, loads = [ks.Clamped("left"), link], [ks.PointForce("link", (0, 0, force))]
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        result = solved(supports, loads, large_deflection="auto")
+    assert not result.model["large_deflection"]
+    assert any("small turns only" in str(warning.message) for warning in told) != small
+    linear = solved(supports, loads, large_deflection=False)
+    assert result.fields["displacement"] == pytest.approx(linear.fields["displacement"], rel=1e-9, abs=1e-15)
+
+
+def test_with_a_tolerance_links_are_refined_as_they_are():
+    link = ks.RigidLink("right", to=POINT, name="link")
+    supports, loads = [ks.Clamped("left"), link], [ks.PointForce("link", (0, 0, 1.0))]
+    assert solved(supports, loads, large_deflection="auto", tolerance=0.05).error["estimate"] <= 0.05
+
+
+@pytest.mark.parametrize("analysis", [ks.buckling, ks.trace, lambda s: ks.modes(s, count=1, prestress=True)])
+def test_other_analyses_refuse_links(analysis):
+    link = ks.RigidLink("right", to=POINT, name="link")
+    scene = scene_with([ks.Clamped("left"), link], [ks.PointForce("link", (-1.0, 0, 0))])
+    with pytest.raises(ks.InputError, match="rigid links are for small deflections"):
+        analysis(scene)

@@ -39,6 +39,7 @@ def imperfect(model: Model) -> KoiterModel:
     if imperfection.file is not None:
         offsets, what = _of_file(problem, imperfection), f"{imperfection.file.name}"
     else:
+        problem.require_no_links()
         mode = buckling_modes(problem.equilibrium(), problem.load, imperfection.mode)[-1]
         offsets = problem.energy.surface.split(mode.motion)[0]
         what = f"linear buckling mode {imperfection.mode}, load factor {mode.factor:.6g}"
