@@ -14,6 +14,7 @@ from kshell.cli.options import (
     Log,
     Reading,
     ResultFolder,
+    Running,
     SceneOnly,
     Source,
     Trust,
@@ -35,12 +36,16 @@ def converge(
     *,
     levels: Levels = 4,
     output: into("Write convergence.json and convergence.png here.") = None,  # type: ignore[valid-type]
-    reading: Reading,
+    running: Running,
 ) -> None:
     """Solve a scene on meshes that are halved: observed rates, and what the values tend to by Richardson."""
-    from kshell.cli.study import save_study, study_lines, study_of
+    from kshell.analysis.converge import converge as study
+    from kshell.cli.study import save_study, study_lines
 
-    found = study_of(reading.scene(source, "converge"), levels, reading.allow_system)
+    scene = running.scene(source, "converge")
+    found = running.watched(
+        lambda progress: study(scene, levels, progress=progress, allow_system=running.allow_system)
+    )
     for line in study_lines(found):
         typer.echo(line)
     if output is not None:

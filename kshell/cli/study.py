@@ -7,24 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kshell.errors import KshellWarning
 from kshell.result.saving import write_together
 
 if TYPE_CHECKING:
     from kshell.analysis.converge import Convergence
-    from kshell.scene.scene import Scene
-
-
-def study_of(scene: Scene, levels: int, allow_system: bool) -> Convergence:
-    """The study, with progress."""
-    import warnings
-
-    from kshell.analysis.converge import converge
-    from kshell.cli.progress import Progress
-
-    with warnings.catch_warnings(), Progress().shown() as progress:
-        warnings.simplefilter("ignore", KshellWarning)  # those of coarse meshes
-        return converge(scene, levels, progress=progress, allow_system=allow_system)
 
 
 def study_lines(study: Convergence) -> Iterator[str]:

@@ -135,9 +135,11 @@ class Scene:
         where x is normal). Shells only.
     imperfection : Imperfection or dict, optional
         Of the shape; Koiter shells only.
-    supports : sequence of Clamped, SimplySupported, Symmetry, Free, Fixed, Elastic
-    loads : sequence of Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment,
-        Temperature, InitialCurvature, InitialStrain
+    supports : sequence of supports
+        Clamped, SimplySupported, SoftSupported, Symmetry, Free, Hinge, RigidLink, Fixed, Elastic.
+    loads : sequence of loads
+        Pressure, Traction, Gravity, LineForce, EdgeMoment, PointForce, PointMoment, Temperature, InitialCurvature,
+        InitialStrain.
     probes : dict of str to (x, y, z) or {"at": (x, y, z), "on": surface group}
         Named points whose values are reported; where sheets meet, those on the group.
     cases : sequence of Case
