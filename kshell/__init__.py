@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from kshell.analysis.converge import converge
     from kshell.analysis.solve import buckling, modes, simulate, solve, trace
     from kshell.analysis.sweep import sweep
+    from kshell.export.inp import write_inp
     from kshell.material.given import Section
     from kshell.material.laminate import Layer
     from kshell.material.materials import Anisotropic, Isotropic, Orthotropic
@@ -113,6 +114,7 @@ __all__ = [
     "sweep",
     "table",
     "trace",
+    "write_inp",
 ]
 
 # name: where it lives
@@ -171,6 +173,7 @@ _LAZY = {
     "Mass": "kshell.scene.masses",
     "mac": "kshell.result.mac",
     "table": "kshell.values.tables",
+    "write_inp": "kshell.export.inp",
 }
 
 

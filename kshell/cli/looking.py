@@ -105,6 +105,21 @@ def _drawn(mesh: Mesh, scene: Scene | None, source: Path, output: Path | None) -
 
 
 @command()
+def export(
+    source: SceneOnly,
+    file: Annotated[Path, typer.Argument(metavar="FILE.inp", help="What to write, for CalculiX.")],
+    *,
+    reading: Reading,
+) -> None:
+    """Write a scene as an input file of CalculiX, so that it can be checked there."""
+    from kshell.export.inp import write_inp
+
+    scene = reading.scene(source, "export")
+    for path in write_inp(scene, file, model=scene.solve.model, allow_system=reading.allow_system):
+        typer.echo(f"written: {path}")
+
+
+@command()
 def sweep(
     source: SceneOnly,
     *,

@@ -62,6 +62,11 @@ class Section:
         return Section(mesh, self.parts, self._part)
 
     @property
+    def part_numbers(self) -> Ints:
+        """(triangle,) number of the part that each triangle has."""
+        return np.broadcast_to(self._part, (len(self._mesh.triangles),))
+
+    @property
     def uniform(self) -> bool:
         """Whether thickness and stiffness are the same everywhere."""
         return self._uniform
