@@ -18,11 +18,14 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.solvers.dissection import dissected
 
 Floats = NDArray[np.float64]
+
+KEPT = 300_000  # unknowns up to which linear strains are kept while the matrix is factorised
 
 
 class Linear(NamedTuple):
@@ -129,11 +132,15 @@ class StrainEnergy(ABC):
         """(triangle, d) centres of the triangles."""
 
     @cached_property
+    def group_places(self) -> NDArray[np.integer]:
+        """(group,) place of each group of unknowns in an order of elimination with little fill."""
+        return dissected(self.centres, self.sparsity.groups, len(self.sparsity.sizes))
+
+    @cached_property
     def elimination(self) -> NDArray[np.int64]:
         """(unknowns,) place of each unknown in an order of elimination with little fill; within a group as numbered."""
         sparsity = self.sparsity
-        place = dissected(self.centres, sparsity.groups, len(sparsity.sizes))
-        order = np.argsort(np.repeat(place, sparsity.sizes), kind="stable")
+        order = np.argsort(np.repeat(self.group_places, sparsity.sizes), kind="stable")
         result = np.empty(self.unknowns, dtype=np.int64)
         result[order] = np.arange(self.unknowns)
         return result
@@ -237,6 +244,23 @@ class StrainEnergy(ABC):
         for triangles, gradient in zip(self.blocks, self.at_rest.gradients, strict=True):
             self.sparsity.put(room, triangles, self._product(gradient, triangles))
         return self.sparsity.matrix(room)
+
+    def free_stiffness(self, pattern: FreePattern) -> tuple[Floats, Floats]:
+        """The same in the free unknowns: entries of the pattern, and the diagonal (unknowns,) in all unknowns."""
+        data, diagonal = np.zeros(pattern.entries + 1), np.zeros(self.unknowns)
+        x = np.zeros(self.unknowns)
+        for number, triangles in enumerate(self.blocks):
+            # those of many triangles are not kept until the factor, which takes more room, is made
+            gradient = (
+                self._gradient(self._state(x, self.rest, triangles), triangles)
+                if self.unknowns > KEPT
+                else self.at_rest.gradients[number]
+            )
+            matrices = self._product(gradient, triangles)
+            pattern.add(data, triangles, matrices)
+            own = np.einsum("eii->ei", matrices)
+            np.add.at(diagonal, self.triangle_unknowns[triangles].ravel(), own.ravel())
+        return data[:-1], diagonal
 
     def linear_strain(self, x: Floats) -> Floats:
         """(triangle, r) strains to first order."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -10,6 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.energy import StrainEnergy
+from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.reduced import ReducedPattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
@@ -18,6 +20,10 @@ from kshell.solvers.repeated import Cholmod, Factor, Pardiso, SuperLU
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
+
+# free unknowns from which CHOLMOD is quicker in the order of dissection than in one of its own, and takes less memory:
+# of 1e6 two thirds of the time
+DISSECTED_FROM = 60_000
 
 
 class Factoriser:
@@ -67,15 +73,66 @@ class Factoriser:
         """
         if not np.all(np.isfinite(matrix.data)):
             raise SolveError("the stiffness is not finite: the step led too far away")
+        return self._first(lambda kind: self._with(kind, matrix), definite)
+
+    def factorise_at_rest(self, springs: sp.spmatrix | None = None) -> tuple[Factor, Floats]:
+        """The stiffness of the state at rest with that of springs, factorised, and its diagonal (unknowns,).
+
+        Straight from the elements where conditions do not couple their groups of unknowns.
+
+        Raises
+        ------
+        SolveError
+            If the matrix is singular or holds numbers that are not finite.
+        """
+        energy, basis = self._energy, sp.csc_matrix(self._basis)
+        if not (basis.shape[1] and FreePattern.possible(energy.sparsity, basis)):
+            stiffness = energy.linear_stiffness()
+            if springs is not None:
+                stiffness = stiffness + springs
+            return self.factorise(stiffness), stiffness.diagonal()
+        diagonal: list[Floats] = []
+
+        def made(kind: type) -> Factor:
+            dissected = kind is SuperLU or (kind is Cholmod and basis.shape[1] > DISSECTED_FROM)
+            place = energy.group_places if dissected else None
+            pattern = FreePattern(energy.sparsity, basis, place)
+            entries, own = energy.free_stiffness(pattern)
+            if not np.all(np.isfinite(entries)):
+                raise SolveError("the stiffness is not finite: the step led too far away")
+            diagonal[:] = [own if springs is None else own + springs.diagonal()]
+            number, indptr, indices = pattern.number, pattern.indptr, pattern.indices
+            if springs is not None or kind is SuperLU:
+                lower = sp.csc_matrix((entries, indices, indptr), shape=(pattern.size,) * 2)
+                if springs is not None:
+                    moved = basis[:, np.argsort(number)]
+                    lower = sp.csc_matrix(lower + sp.tril(moved.T @ springs @ moved))
+                if kind is SuperLU:
+                    lower = sp.csc_matrix(lower + sp.tril(lower, -1).T)
+                lower.sort_indices()
+                entries, indices, indptr = lower.data, lower.indices, lower.indptr
+                del lower
+            del pattern  # what is not needed any more leaves room for the factor
+            if kind is Cholmod:
+                solver = Cholmod(indptr, indices, entries, dissected)
+                del indptr, indices, entries
+                return _renumbered(solver.factorise(), number)
+            return _renumbered(kind(indptr, indices).factorise(entries), number)
+
+        factor = self._first(made, True)
+        return factor, diagonal[0]
+
+    def _first(self, factorised: Callable[[type], Factor], definite: bool) -> Factor:
+        """The factor by the first library that there is and that the matrix suits."""
         if not self._basis.shape[1]:
             return Factor(np.zeros_like, lambda: 0)
         try:
             if self._symmetric and CHOLMOD.installed and definite:
                 try:
-                    return self._with(Cholmod, matrix)
+                    return factorised(Cholmod)
                 except Singular:
                     pass  # not positive definite: the pivots below say how far
-            return self._with(Pardiso if self._symmetric and PARDISO.installed else SuperLU, matrix)
+            return factorised(Pardiso if self._symmetric and PARDISO.installed else SuperLU)
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
 
@@ -96,13 +153,15 @@ class Factoriser:
         if kind not in self._solvers:
             self._solvers[kind] = kind(pattern.indptr, pattern.indices)
         factor: Factor = self._solvers[kind].factorise(entries)
-        if lower:
-            return factor
-        place = self._place
+        return factor if lower else _renumbered(factor, self._place)
 
-        def solve(rhs: Floats) -> Floats:
-            moved = np.empty_like(rhs)
-            moved[place] = rhs
-            return np.asarray(factor.solve(moved))[place]
 
-        return Factor(solve, factor.count_negative)
+def _renumbered(factor: Factor, number: Ints) -> Factor:
+    """The factor of a matrix as that of the matrix whose unknowns have these numbers in it."""
+
+    def solve(rhs: Floats) -> Floats:
+        moved = np.empty_like(rhs)
+        moved[number] = rhs
+        return np.asarray(factor.solve(moved))[number]
+
+    return Factor(solve, factor.count_negative, factor.definite)

@@ -70,15 +70,14 @@ class LinearSolver:
         self, elastic: StrainEnergy, reduction: Reduction, springs: sp.spmatrix | None = None
     ) -> None:
         self.elastic, self.reduction, self.springs = elastic, reduction, springs
-        stiffness = elastic.linear_stiffness()
-        self._stiffness = stiffness if springs is None else stiffness + springs
         # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
-        self._solve = Factoriser(reduction, elastic).factorise(self._stiffness).solve
+        factor, self._diagonal = Factoriser(reduction, elastic).factorise_at_rest(springs)
+        self._solve = factor.solve
         self._require_held()
 
     def _require_held(self) -> None:
         if self.reduction.basis.shape[1]:
-            self._require_stiff(_softest(self._stiffness, self.reduction.basis, self._solve))
+            self._require_stiff(_softest(self._diagonal, self.reduction.basis, self._solve))
 
     def solve(
         self, load: Floats, given: Floats | None = None, initial: Floats | None = None
@@ -149,7 +148,7 @@ class LinearSolver:
         energy = float(np.sum(strain * self.elastic.stress(strain)))
         if self.springs is not None:
             energy += float(motion @ (self.springs @ motion))
-        if energy <= MECHANISM * float(motion @ (self._stiffness.diagonal() * motion)):
+        if energy <= MECHANISM * float(motion @ (self._diagonal * motion)):
             raise InputError(f"the shell can move freely{_where(self.elastic, motion)}: {HOLD}")
 
 
@@ -164,9 +163,8 @@ def solve_linear(
     return LinearSolver(elastic, reduction, springs).solve(load, None, initial)
 
 
-def _softest(stiffness: sp.spmatrix, basis: sp.spmatrix, solve: Callable[[Floats], Floats]) -> Floats:
-    """(unknowns,) the softest motion, by one step of inverse iteration."""
-    diagonal = stiffness.diagonal()
+def _softest(diagonal: Floats, basis: sp.spmatrix, solve: Callable[[Floats], Floats]) -> Floats:
+    """(unknowns,) the softest motion, by one step of inverse iteration from the diagonal of the stiffness."""
     start = np.random.default_rng(1).standard_normal(len(diagonal)) * np.sqrt(np.abs(diagonal))
     motion: Floats = basis @ solve(basis.T @ start)
     return motion

@@ -8,6 +8,8 @@ unknowns at p = 2.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -35,17 +37,34 @@ class Sparsity:
 
     Attributes
     ----------
-    groups, sizes : as given
+    groups, sizes, unknowns, member : as given
     shape : (int, int)
     indptr, indices : int arrays
-        Compressed rows of the whole matrix; columns ascend.
+        Compressed rows of the whole matrix; columns ascend. They are found when they are first looked at.
     """
 
     def __init__(self, groups: NDArray, sizes: NDArray, unknowns: NDArray, member: NDArray) -> None:
-        self.groups, self.sizes = groups, sizes
+        self.groups, self.sizes, self.unknowns, self.member = groups, sizes, unknowns, member
+        size = int(np.sum(sizes))
+        self.shape = (size, size)
+        self._local = np.tril_indices(len(member))
+
+    @property
+    def indptr(self) -> Ints:
+        """(unknowns + 1,)"""
+        return self._whole[0]
+
+    @property
+    def indices(self) -> Ints:
+        """(entries,)"""
+        return self._whole[1]
+
+    @cached_property
+    def _upper(self) -> tuple[Ints, Ints, Ints]:
+        """Compressed rows of the upper triangle, and (element, entries of a half) where element matrices go in them."""
+        groups, sizes, unknowns, member = self.groups, self.sizes, self.unknowns, self.member
         first = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
-        self.shape = (int(first[-1]), int(first[-1]))
-        row, column, place = _pairs(groups, len(sizes))
+        row, column, place = group_pairs(groups, len(sizes))
 
         # entries of a row of the upper triangle: what is left of its own group, then the groups behind
         width = np.bincount(row, weights=sizes[column], minlength=len(sizes)).astype(np.int64)
@@ -59,48 +78,47 @@ class Sparsity:
         left = (before - np.repeat(before[own], pairs)).astype(index)  # columns between the two groups
 
         base = start[:-1] - rank
-        self._half = int(start[-1])
-        self._local = np.tril_indices(len(member))
-        self._places = np.empty((len(groups), len(self._local[0])), dtype=index)
+        places = np.empty((len(groups), len(self._local[0])), dtype=index)
         i, j = self._local
         pair = member[i] * groups.shape[1] + member[j]
         for begin in range(0, len(groups), BLOCK):
             some = slice(begin, begin + BLOCK)
             mine, between = unknowns[some], left[place[some]].reshape(-1, groups.shape[1] ** 2)
-            here = np.take(between, pair, axis=1, out=self._places[some])
+            here = np.take(between, pair, axis=1, out=places[some])
             swapped = mine[:, i] < mine[:, j]
             here += np.where(swapped, base[mine][:, i], base[mine][:, j])
             here += np.where(swapped, rank[mine][:, j], rank[mine][:, i])
 
-        upper: Ints = np.empty(self._half, dtype=index)
+        upper: Ints = np.empty(int(start[-1]), dtype=index)
         first = first.astype(index)
         for a in range(int(sizes.max())):
             for b in range(int(sizes.max())):
                 both = np.flatnonzero((sizes[row] > a) & (sizes[column] > b) & ((row != column) | (b >= a)))
                 upper[base[first[row[both]] + a] + left[both] + b] = first[column[both]] + b
-        self._expand(start, upper)
+        return start, upper, places
 
-    def _expand(self, start: Ints, upper: Ints) -> None:
-        """Compressed rows of the whole matrix from those of the upper triangle, and where its entries come from."""
-        n = self.shape[0]
-        number = np.arange(self._half, dtype=upper.dtype)
+    @cached_property
+    def _whole(self) -> tuple[Ints, Ints, Ints]:
+        """Compressed rows of the whole matrix, and which entry of the upper triangle each of its entries is."""
+        start, upper, _ = self._upper
+        n, half = self.shape[0], len(upper)
+        number = np.arange(half, dtype=upper.dtype)
         lower = sp.csr_matrix((number, upper, start), shape=self.shape).T.tocsr()
         below, above = np.diff(lower.indptr), np.diff(start) - 1  # the diagonal belongs to the lower half
-        self.indptr = np.concatenate([[0], np.cumsum(below + above)]).astype(upper.dtype)
-        at_lower = np.arange(self._half) + np.repeat(self.indptr[:-1] - lower.indptr[:-1], below)
-        off = np.ones(self._half, dtype=bool)
+        indptr = np.concatenate([[0], np.cumsum(below + above)]).astype(upper.dtype)
+        at_lower = np.arange(half) + np.repeat(indptr[:-1] - lower.indptr[:-1], below)
+        off = np.ones(half, dtype=bool)
         off[start[:-1]] = False
-        at_upper = np.arange(self._half - n) + np.repeat(
-            self.indptr[:-1] + below - (start[:-1] - np.arange(n)), above
-        )
-        self.indices = np.empty(int(self.indptr[-1]), dtype=upper.dtype)
-        self._source = np.empty_like(self.indices)
-        self.indices[at_lower], self._source[at_lower] = lower.indices, lower.data
-        self.indices[at_upper], self._source[at_upper] = upper[off], number[off]
+        at_upper = np.arange(half - n) + np.repeat(indptr[:-1] + below - (start[:-1] - np.arange(n)), above)
+        indices = np.empty(int(indptr[-1]), dtype=upper.dtype)
+        source = np.empty_like(indices)
+        indices[at_lower], source[at_lower] = lower.indices, lower.data
+        indices[at_upper], source[at_upper] = upper[off], number[off]
+        return indptr, indices, source
 
     def empty(self) -> Floats:
         """Room for one half of all element matrices."""
-        return np.empty(self._places.shape)
+        return np.empty(self._upper[2].shape)
 
     def put(self, room: Floats, elements: slice, matrices: Floats) -> None:
         """Store the symmetric element matrices (element, n, n) of a range of elements."""
@@ -109,13 +127,15 @@ class Sparsity:
 
     def matrix(self, room: Floats) -> sp.csr_matrix:
         """The sum of the element matrices; it shares the pattern with every other one made here."""
-        half = np.bincount(self._places.ravel(), weights=room.ravel(), minlength=self._half)
-        result = sp.csr_matrix((half[self._source], self.indices, self.indptr), shape=self.shape)
+        indptr, indices, source = self._whole
+        _, upper, places = self._upper
+        half = np.bincount(places.ravel(), weights=room.ravel(), minlength=len(upper))
+        result = sp.csr_matrix((half[source], indices, indptr), shape=self.shape)
         result.has_canonical_format = True
         return result
 
 
-def _pairs(groups: NDArray, count: int) -> tuple[Ints, Ints, Ints]:
+def group_pairs(groups: NDArray, count: int) -> tuple[Ints, Ints, Ints]:
     """Coupled pairs of groups, row <= column, sorted, and (element, g, g) the number of each pair of an element."""
     low = np.minimum(groups[:, :, None], groups[:, None, :])
     high = np.maximum(groups[:, :, None], groups[:, None, :])

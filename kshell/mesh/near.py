@@ -16,7 +16,7 @@ FEW = 4_096  # pairs that are all looked at
 HELD = 2_000_000  # pairs held at once
 
 
-def in_balls(points: Floats, centres: Floats, reach: Floats) -> tuple[Ints, Ints]:
+def in_balls(points: Floats, centres: Floats, reach: Floats, ordered: bool = True) -> tuple[Ints, Ints]:
     """Pairs of a ball and a point in it or on its border.
 
     Parameters
@@ -24,10 +24,12 @@ def in_balls(points: Floats, centres: Floats, reach: Floats) -> tuple[Ints, Ints
     points : (point, 3) array
     centres, reach : (ball, 3), (ball,) arrays
         Middles and radii, 0 or more.
+    ordered : bool
+        By ball, then by point; else as they are found.
 
     Returns
     -------
-    balls, points : two (pair,) arrays of numbers, by ball, then by point
+    balls, points : two (pair,) arrays of numbers
     """
     none = np.zeros(0, dtype=np.int64)
     if not len(points) or not len(centres):
@@ -46,6 +48,8 @@ def in_balls(points: Floats, centres: Floats, reach: Floats) -> tuple[Ints, Ints
         for k in np.unique(level):
             found += _in_class(points, centres, reach, np.flatnonzero(level == k))
     ball, point = (np.concatenate(part) for part in zip(*found, strict=True))
+    if not ordered:
+        return ball, point
     order = np.lexsort((point, ball))
     return ball[order], point[order]
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,7 @@ FLAT = 1e-6
 # the search for triangles that cross each other looks at pairs, up to so many triangles
 SEARCHED = 30_000
 ON_TRIANGLE = 1e-6  # distance from a triangle, in its size, that is none
+ROUNDED = 1e-6  # of a tolerance
 BESIDE = 1e-9  # barycentric coordinate below which a crossing is on the border
 
 
@@ -133,7 +136,15 @@ def contacts(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
     """
     corners = mesh.points[mesh.triangles]
     near, triangle = _near(corners, mesh.points, np.zeros(len(mesh.points)))
-    apart = ~(mesh.triangles[triangle] == near[:, None]).any(axis=1)
+    tolerance = ON_TRIANGLE * np.sqrt(2.0 * mesh.areas)
+    if mesh.midpoints is not None:
+        bulge = np.linalg.norm(mesh.midpoints - mesh.points[mesh.edges].mean(axis=1), axis=1)
+        tolerance = tolerance + bulge[mesh.triangle_edges].max(axis=1)
+    apart = np.abs(_heights(corners, mesh.points, (near,), triangle)[0]) <= tolerance[triangle] * (
+        1 + ROUNDED
+    )
+    near, triangle = near[apart], triangle[apart]
+    apart = ~_is_corner(mesh.triangles, near, triangle)
     near, triangle = near[apart], triangle[apart]
     a, b, c = (corners[triangle, k] for k in range(3))
     normal = np.cross(b - a, c - a)
@@ -143,14 +154,15 @@ def contacts(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
     second = np.sum(np.cross(offset, c - a) * normal, axis=1) / twice**2
     third = np.sum(np.cross(b - a, offset) * normal, axis=1) / twice**2
     barycentric = np.stack([1.0 - second - third, second, third], axis=1)
-    tolerance = ON_TRIANGLE * np.sqrt(twice)
-    if mesh.midpoints is not None:
-        bulge = np.linalg.norm(mesh.midpoints - mesh.points[mesh.edges].mean(axis=1), axis=1)
-        tolerance = tolerance + bulge[mesh.triangle_edges[triangle]].max(axis=1)
     side = barycentric < ON_TRIANGLE  # on the edge opposite to the corner
     opposite = mesh.triangle_edges[triangle][:, [1, 2, 0]]
     border = (side & (mesh.edge_counts[opposite] == 1)).any(axis=1)
-    on = (height <= tolerance) & (barycentric > -ON_TRIANGLE).all(axis=1) & (side.sum(axis=1) < 2) & ~border
+    on = (
+        (height <= tolerance[triangle])
+        & (barycentric > -ON_TRIANGLE).all(axis=1)
+        & (side.sum(axis=1) < 2)
+        & ~border
+    )
     return near[on], triangle[on]
 
 
@@ -163,10 +175,27 @@ def _near(corners: Floats, centres: Floats, reach: Floats) -> tuple[NDArray[np.i
     level = np.floor(np.log2(radius / radius.min() + 1e-12)).astype(int)
     for k in np.unique(level):
         mine = np.flatnonzero(level == k)
-        ball, near = in_balls(centre[mine], centres, reach + radius[mine].max())
+        ball, near = in_balls(centre[mine], centres, reach + radius[mine].max(), ordered=False)
         balls.append(ball)
         triangles.append(mine[near])
     return np.concatenate(balls), np.concatenate(triangles)
+
+
+def _heights(
+    corners: Floats, points: Floats, those: Sequence[NDArray[np.integer]], triangle: NDArray[np.integer]
+) -> list[Floats]:
+    """(pair,) heights above the planes of triangles, of one point each or several."""
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    across, first = normal[triangle], corners[:, 0][triangle]
+    return [np.einsum("px,px->p", across, points[point] - first) for point in those]
+
+
+def _is_corner(
+    triangles: NDArray[np.integer], vertex: NDArray[np.integer], triangle: NDArray[np.integer]
+) -> NDArray[np.bool_]:
+    """(pair,) whether vertices are corners of triangles."""
+    return np.any([column[triangle] == vertex for column in triangles.T], axis=0)
 
 
 def crossings(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer], Floats]:
@@ -174,7 +203,14 @@ def crossings(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer], Flo
     corners = mesh.points[mesh.triangles]
     ends = mesh.points[mesh.edges]
     edge, triangle = _near(corners, ends.mean(axis=1), 0.5 * mesh.edge_lengths)
-    apart = ~(mesh.triangles[triangle][:, :, None] == mesh.edges[edge][:, None, :]).any(axis=(1, 2))
+    # the ends lie on different sides of its plane, which few do
+    start, end = mesh.edges.T
+    one, other = _heights(corners, mesh.points, (start[edge], end[edge]), triangle)
+    apart = (one < 0.0) != (other < 0.0)
+    edge, triangle = edge[apart], triangle[apart]
+    apart = ~(
+        _is_corner(mesh.triangles, start[edge], triangle) | _is_corner(mesh.triangles, end[edge], triangle)
+    )
     edge, triangle = edge[apart], triangle[apart]
     # Moeller and Trumbore 1997: start + s along = a + u (b - a) + v (c - a)
     start, along = ends[edge, 0], ends[edge, 1] - ends[edge, 0]

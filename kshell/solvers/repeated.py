@@ -52,20 +52,35 @@ def _none() -> int:
 
 
 class Cholmod:
-    """Cholesky factors by CHOLMOD; `Singular` where the matrix is not positive definite."""
+    """Cholesky factors by CHOLMOD; `Singular` where the matrix is not positive definite.
 
-    def __init__(self, indptr: Ints, indices: Ints) -> None:
+    Parameters
+    ----------
+    indptr, indices : int arrays
+    entries : array, optional
+        Of the first matrix, which `factorise` need not be given then.
+    ordered : bool
+        Whether the unknowns are in a good order of elimination; else it looks for one.
+    """
+
+    def __init__(
+        self, indptr: Ints, indices: Ints, entries: Floats | None = None, ordered: bool = False
+    ) -> None:
         from cvxopt import cholmod, spmatrix
         from cvxopt import matrix as dense
 
         n = len(indptr) - 1
-        column = np.repeat(np.arange(n, dtype=np.int64), np.diff(indptr))
-        self._matrix = spmatrix(1.0, dense(indices.astype(np.int64)), dense(column), (n, n))
-        self._symbolic = cholmod.symbolic(self._matrix, uplo="L")
+        row = dense(indices.astype(np.int64))
+        column = dense(np.repeat(np.arange(n, dtype=np.int64), np.diff(indptr)))
+        self._matrix = spmatrix(1.0 if entries is None else dense(entries), row, column, (n, n))
+        del row, column
+        order = {"p": dense(np.arange(n, dtype=np.int64))} if ordered else {}
+        self._symbolic = cholmod.symbolic(self._matrix, uplo="L", **order)
         self._cholmod, self._dense = cholmod, dense
 
-    def factorise(self, entries: Floats) -> Factor:
-        self._matrix.V = self._dense(entries)
+    def factorise(self, entries: Floats | None = None) -> Factor:
+        if entries is not None:
+            self._matrix.V = self._dense(entries)
         try:
             self._cholmod.numeric(self._matrix, self._symbolic)
         except ArithmeticError as error:
