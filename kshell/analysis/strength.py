@@ -6,14 +6,14 @@ in a row of values that several materials share the smallest yield stress counts
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.material.part import Layered
 from kshell.material.plies import ply_stresses
-from kshell.mesh.closest import Locator
 from kshell.result.result import Result
 from kshell.scene.loads import Load, Temperature
 from kshell.scene.structure import Placed, Structure
@@ -40,22 +40,18 @@ def add_strength(result: Result, structure: Structure, warmth: Warmth = ()) -> N
     }
     if all(np.isinf(limit).all() for limit in limits.values()):
         return
-    _add_utilisation(result, structure, limits)
+    _add_utilisation(result, limits)
 
 
-def _triangles(result: Result, structure: Structure) -> dict[str, int]:
-    """The triangle of each probe."""
-    names = list(result.probes)
-    if not names:
-        return {}
-    places = np.array([result.probes[name]["x"] for name in names], dtype=float)
-    found = Locator.of(structure.space).find(places).triangles
-    return dict(zip(names, found.tolist(), strict=True))
+def _places(result: Result) -> Iterator[tuple[dict[str, Any], int]]:
+    """Values at every probe, and of every sheet at probes where several meet, with their triangles."""
+    for (name, group), triangle in result.probe_triangles.items():
+        yield result.sheets[name][group] if group else result.probes[name], triangle
 
 
 def _add_layers(result: Result, structure: Structure, warmth: Warmth) -> None:
-    for name, triangle in _triangles(result, structure).items():
-        part, probe = structure.section.part_of(triangle), result.probes[name]
+    for probe, triangle in _places(result):
+        part = structure.section.part_of(triangle)
         if isinstance(part, Layered) and "M" in probe:
             force = probe.get("membrane_stress_resultant", probe["N"])
             offset = float(structure.offset[triangle])
@@ -68,7 +64,7 @@ def _add_layers(result: Result, structure: Structure, warmth: Warmth) -> None:
             probe["layers"] = ply_stresses(part.stack, force, probe["M"], probe.get("Q"), offset, own)
 
 
-def _add_utilisation(result: Result, structure: Structure, limits: dict[str, Floats]) -> None:
+def _add_utilisation(result: Result, limits: dict[str, Floats]) -> None:
     faces = [face for face in FACES if f"von_mises_{face}" in result.fields]
     if not faces:
         return
@@ -85,8 +81,7 @@ def _add_utilisation(result: Result, structure: Structure, limits: dict[str, Flo
         "at": rows.points[place].tolist(),
         "group": str(rows.group[place]) or None,
     }
-    for name, triangle in _triangles(result, structure).items():
-        probe = result.probes[name]
+    for probe, triangle in _places(result):
         shares = [
             float(probe[f"von_mises_{face}"]) / float(limits[face][triangle])
             for face in faces

@@ -66,6 +66,7 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         frame="global x, y",
         probes=probed.values,
         sheets=probed.sheets,
+        probe_triangles=probed.triangles,
         reactions=reactions.groups,
         balance=reactions.balance,
         strain_energy=strain_energy,

@@ -245,7 +245,7 @@ class Fields:
         Returns
         -------
         dict
-            x (n, 3), u (n, 3), rotation (n, 3), M (n, 3), Q (n, 2), stress_top, stress_bottom (n, 3),
+            x (n, 3), u (n, 3), rotation (n, 3), M (n, 3), Q (n, 2), stress_top, stress_bottom (n, 3), triangle (n,) and
             distance (n,) to the point used.
         """
         return self.values_at(self.lines.find(points))
@@ -267,6 +267,7 @@ class Fields:
             "M": moment,
             "Q": shear,
             **stresses,
+            "triangle": found.triangles.astype(np.float64),
             "distance": found.distance,
         }
 

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 
 class Evaluates(Protocol):
-    """Values of a solution at places: arrays with one row per point, by name, `distance` among them."""
+    """Values of a solution at places: arrays with one row per point, by name, `distance` and `triangle` among them."""
 
     def at(self, points: Floats) -> dict[str, Floats]:
         """At the nearest points; where sheets meet of that with the largest stress."""
@@ -40,11 +40,14 @@ class Probed:
     sheets : dict of name to dict of surface group to dict
         Of probes where sheets meet, unless they say on which they are.
     warnings : list of str
+    triangles : dict of (name, surface group) to int
+        Whose the values are; of those in `values` the group is empty.
     """
 
     values: dict[str, dict[str, Any]] = field(default_factory=dict)
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+    triangles: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
 def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, what: str) -> Probed:
@@ -64,6 +67,7 @@ def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, wha
         on = given.on if isinstance(given, ProbePoint) else None
         found = fields.at(point[None]) if on is None else fields.on(point[None], on)
         values = {key: value[0] for key, value in found.items()}
+        out.triangles[name, ""] = int(values["triangle"])
         distance = float(values["distance"])
         if distance > typical:
             out.warnings.append(
@@ -73,6 +77,7 @@ def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, wha
         out.values[name] = _completed(values)
         sheets = fields.sheets(point) if on is None else {}
         if sheets:
+            out.triangles.update({(name, group): int(each["triangle"]) for group, each in sheets.items()})
             out.sheets[name] = {group: _completed(each) for group, each in sheets.items()}
             names = [f'"{group}"' for group in sheets]
             shown = max(sheets, key=lambda group: _alike(out.values[name], sheets[group]))
@@ -92,7 +97,7 @@ def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
 
 def _completed(values: Mapping[str, Any]) -> dict[str, Any]:
     """With stresses of von Mises and principal values."""
-    probe = {key: value for key, value in values.items() if key != "distance"}
+    probe = {key: value for key, value in values.items() if key not in ("distance", "triangle")}
     probe.setdefault("N", np.zeros(3))
     for face in ("top", "middle", "bottom"):
         if f"stress_{face}" in probe:

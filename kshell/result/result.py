@@ -82,6 +82,8 @@ class Result:
         What the rows of fields belong to; `points`, `vertex`, `patch` and `group` are taken from it.
     sheets : dict of probe to dict of surface group to dict
         Values as in `probes` of every sheet that meets at a probe.
+    probe_triangles : dict of (probe, surface group) to int
+        Triangles of the values of probes, with an empty group, and of `sheets`.
     nodal_values : str
         How values at vertices are made.
     writer : callable, optional
@@ -169,6 +171,7 @@ class Result:
     nodal_values: str = ""
     writer: Callable[..., list[str]] | None = None
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
+    probe_triangles: dict[tuple[str, str], int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.rows is None:
@@ -225,7 +228,7 @@ class Result:
             raise InputError(f"points of shape {x.shape}: give (n, 3) finite coordinates")
         if self.evaluate is None:
             raise SolveError("this result has values at vertices only: look at result.fields")
-        return self.evaluate(np.atleast_2d(x))
+        return {key: value for key, value in self.evaluate(np.atleast_2d(x)).items() if key != "triangle"}
 
     @property
     def envelope(self) -> Envelope:

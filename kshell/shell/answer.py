@@ -129,6 +129,7 @@ def _answer(
         frame=FRAME,
         probes=probed.values,
         sheets=probed.sheets,
+        probe_triangles=probed.triangles,
         reactions=groups,
         balance=balance,
         strain_energy=sum(energies.values()),

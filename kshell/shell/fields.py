@@ -206,6 +206,7 @@ class ShellFields:
             parts.append({**part, "axis_1": frame[:, 0], "normal": frame[:, 2]})
         back = np.argsort(order)
         out = {name: np.concatenate([part[name] for part in parts])[back] for name in parts[0]}
+        out["triangle"] = np.array(triangles)
         barycentric = np.concatenate([1 - xi.sum(axis=1, keepdims=True), xi], axis=1)
         at_corner = np.flatnonzero(barycentric.max(axis=1) > AT_VERTEX)
         if len(at_corner):  # the mean of all triangles there is closer than the value of one

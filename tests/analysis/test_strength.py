@@ -9,6 +9,7 @@ import kshell as ks
 from kshell.material.laminate import laminate
 from kshell.material.plies import ply_stresses
 from tests.scene.fabricated import square_mesh
+from tests.shell.shapes import joined, panel
 
 CARBON = ks.Orthotropic(E1=140e3, E2=10e3, nu12=0.3, G12=5e3, G13=5e3, G23=3e3, yield_stress=500.0)
 ANGLES = (0, 45, -45, 90)
@@ -101,3 +102,63 @@ def test_utilisation_is_stress_over_yield_stress(model):
 def test_a_yield_stress_is_positive():
     with pytest.raises(ks.InputError, match=r"yield_stress = -1 must be > 0"):
         ks.Isotropic(E=1.0, nu=0.3, yield_stress=-1.0)
+
+
+def stiffened(**changes):
+    """A plating of four layers with a stiffener of three, of other layers, across its middle."""
+    sheets = joined(panel((0, 0, 0), (1, 0, 0), (0, 1, 0), 4), panel((0, 0.5, 0), (1, 0, 0), (0, 0, 0.3), 4))
+    height = sheets.points[sheets.triangles].mean(axis=1)[:, 2]
+    ends = sheets.points[sheets.edges]
+    groups = {
+        "plating": sheets.triangles[height < 1e-9],
+        "stiffener": sheets.triangles[height > 1e-9],
+        "left": sheets.edges[(np.abs(ends[:, :, 0]) < 1e-9).all(axis=1)],
+    }
+    strong, weak = (
+        ks.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, expansion=[0, 1e-5], yield_stress=limit)
+        for limit in (1e8, 5e7)
+    )
+    data = {
+        "mesh": ks.Mesh.from_arrays(sheets.points, sheets.triangles, groups),
+        "layers": {
+            "plating": [ks.Layer(strong, 0.002, angle) for angle in (0, 90, 90, 0)],
+            "stiffener": [ks.Layer(weak, 0.002, angle) for angle in (0, 90, 30)],
+        },
+        "supports": [ks.Clamped("left")],
+        "loads": [
+            ks.Pressure(1e3, on="plating", name="p"),
+            ks.Traction((0, 1e2, 0), on="stiffener", name="t"),
+            ks.Temperature(mean=50, name="warm"),
+        ],
+        "cases": [ks.Case("a", ["p"]), ks.Case("b", ["t", "warm"])],
+        "combinations": [ks.Combination("ab", {"a": 1.35, "b": -1.5})],
+        "probes": {
+            "joint": (0.5, 0.5, 0),
+            "plating": {"at": (0.5, 0.5, 0), "on": "plating"},
+            "stiffener": {"at": (0.5, 0.5, 0), "on": "stiffener"},
+        },
+    }
+    return ks.Scene(**{**data, **changes})
+
+
+def test_where_laminates_meet_every_sheet_has_its_own_layers_in_every_case():
+    cases = ks.solve(stiffened(), large_deflection=False, error="off").cases
+    assert set(cases) == {"a", "b", "ab"}
+    for found in cases.values():
+        assert any("probe joint" in warning and "`sheets`" in warning for warning in found.warnings)
+        sheets = found.sheets["joint"]
+        everything = {"plating": found.probes["plating"], "stiffener": found.probes["stiffener"], **sheets}
+        assert {name.split(" ")[0] for name in sheets} == {"plating", "stiffener"}
+        for name, probe in everything.items():
+            assert len(probe["layers"]) == (3 if name == "stiffener" else 4)
+            size = np.abs(probe["stress_top"]).max()
+            top, bottom = probe["layers"][-1]["stress_top"], probe["layers"][0]["stress_bottom"]
+            assert top == pytest.approx(probe["stress_top"], abs=1e-3 * size)
+            assert bottom == pytest.approx(probe["stress_bottom"], abs=1e-3 * size)
+            limit = 5e7 if name == "stiffener" else 1e8
+            worst = max(probe[f"von_mises_{face}"] for face in ("top", "middle", "bottom"))
+            assert probe["utilisation"] == pytest.approx(worst / limit)
+        worst = max(np.max(found.fields[f"von_mises_{face}"]) for face in ("top", "middle", "bottom"))
+        assert found.extremes["von_mises"]["value"] == pytest.approx(worst)
+        assert found.extremes["utilisation"]["value"] == pytest.approx(np.max(found.fields["utilisation"]))
+        assert found.extremes["utilisation"]["group"] in ("plating", "stiffener")

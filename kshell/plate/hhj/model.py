@@ -172,6 +172,7 @@ class HHJModel(Model):
             frame="global x, y",
             probes=probed.values,
             sheets=probed.sheets,
+            probe_triangles=probed.triangles,
             reactions=forces.groups,
             balance=forces.balance,
             strain_energy=system.energy(found),
