@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.result.vtu import unstructured
+from kshell.result.vtu import head, unstructured
 from kshell.result.vtu_file import Unstructured, write_triangles
 
 if TYPE_CHECKING:
@@ -43,12 +43,12 @@ def piece_of(result: Result, mine: NDArray[np.bool_]) -> Unstructured:
     cell_data = {name: values[chosen] for name, values in whole.cell_data.items()}
     point_data[NODE], cell_data[TRIANGLE] = nodes.astype(np.int64), chosen.astype(np.int64)
     shape = (len(chosen), whole.cells.shape[1])
-    return Unstructured(whole.points[nodes], cells.reshape(shape), point_data, cell_data)
+    return Unstructured(whole.points[nodes], cells.reshape(shape), point_data, cell_data, whole.components)
 
 
 def write_piece(path: Path, result: Result, mine: NDArray[np.bool_]) -> None:
     """Write some triangles of a result."""
-    write_triangles(path, piece_of(result, mine), result.nodal_values or "")
+    write_triangles(path, piece_of(result, mine), head(result))
 
 
 def pieces_index(result: Result, names: Sequence[str]) -> str:

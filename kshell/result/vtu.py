@@ -1,6 +1,8 @@
 """Results as .vtu files for ParaView.
 
-Point data have the names of `Result.fields`; tensors in the plane have the columns xx yy xy. Every group
+Point data have the names of `Result.fields`, columns have names too; tensors in the plane have the columns xx yy xy.
+Title, case, analysis, model and frame stand in a comment in the head (as field data, which ParaView would show, readers
+such as meshio stumble over texts). Every group
 is an array "group NAME" of zeros and ones, of points for curve and point groups, of cells for surfaces; of a curve
 "edges of group NAME" tells which edges of each triangle are in it: 1 + 2 + 4 for those of its corners 01, 12 and 02.
 Where sheets or sections meet there is a point for each row of the fields, at the same place; `vertex` and `patch` tell
@@ -30,6 +32,38 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 GROUP, EDGES_OF = "group ", "edges of group "
+SPACE, PLANE = ("x", "y", "z"), ("xx", "yy", "xy")
+COLUMNS = {
+    **dict.fromkeys(("displacement", "rotation", "frame_axis_1", "normal"), SPACE),
+    **dict.fromkeys(
+        (
+            "moment",
+            "membrane_force",
+            "membrane_stress_resultant",
+            "stress_top",
+            "stress_middle",
+            "stress_bottom",
+        ),
+        PLANE,
+    ),
+    "shear": ("x", "y"),
+    **dict.fromkeys(("principal_moments", "principal_forces"), ("larger", "smaller")),
+}
+
+
+def head(result: Result) -> str:
+    """What the values are of, in words."""
+    model = result.model
+    what = f"{model.get('kind', '')} {model.get('element', '')} of order {model.get('order', '')}"
+    parts = {
+        "title": result.title,
+        "case": result.case or "",
+        "analysis": result.analysis,
+        "model": what.strip(),
+        "frame of tensors": result.frame,
+        "values at vertices": result.nodal_values,
+    }
+    return "; ".join(f"{key}: {value}" for key, value in parts.items() if value)
 
 
 def write_vtu(path: Path, result: Result) -> None:
@@ -40,7 +74,7 @@ def write_vtu(path: Path, result: Result) -> None:
     SolveError
         If a field has a value that is NaN or infinite.
     """
-    write_triangles(path, unstructured(result), result.nodal_values or "")
+    write_triangles(path, unstructured(result), head(result))
 
 
 def unstructured(result: Result) -> Unstructured:
@@ -81,7 +115,8 @@ def unstructured(result: Result) -> Unstructured:
         if group.dimension == 1:
             bits = np.isin(mesh.triangle_edges, group.members) @ np.array([1, 2, 4], dtype=np.int32)
             cell_data[f"{EDGES_OF}{name}"] = bits.astype(np.int32)
-    return Unstructured(points, cells, point_data, cell_data)
+    columns = {name: SPACE if name.startswith("mode_") else COLUMNS.get(name, ()) for name in point_data}
+    return Unstructured(points, cells, point_data, cell_data, columns)
 
 
 def write_motion(path: Path, mesh: Mesh, displacement: Floats) -> None:

@@ -10,8 +10,9 @@ import html
 import re
 import sys
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
@@ -37,17 +38,20 @@ class Unstructured(NamedTuple):
         Numbers of points.
     point_data, cell_data : name to array (point or cell, ...)
         Of numbers.
+    components : name to sequence of str
+        Names of the columns of arrays, which ParaView shows.
     """
 
     points: Array
     cells: Array
     point_data: dict[str, Array]
     cell_data: dict[str, Array]
+    components: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
 def write_triangles(path: Path, mesh: Unstructured, comment: str = "") -> None:
     """Write a mesh, with words after the first line."""
-    points, cells, point_data, cell_data = mesh
+    points, cells, point_data, cell_data, components = mesh
     order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
     count, nodes = cells.shape
     with path.open("wb") as file:
@@ -80,15 +84,17 @@ def write_triangles(path: Path, mesh: Unstructured, comment: str = "") -> None:
         for part, arrays in parts:
             say(f"<{part}>")
             for name, values in arrays.items():
-                _array(file, name, values)
+                _array(file, name, values, components.get(name, ()))
             say(f"</{part}>")
         say("</Piece>\n</UnstructuredGrid>\n</VTKFile>")
 
 
-def _array(file: BinaryIO, name: str, values: Array) -> None:
+def _array(file: BinaryIO, name: str, values: Array, columns: Sequence[str] = ()) -> None:
     """One array: its kind, then sizes and blocks in base64."""
     kind = {"f": "Float", "i": "Int", "u": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)
     components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
+    if values.ndim == 2 and len(columns) == values.shape[1]:
+        components += "".join(f' ComponentName{k}="{_attribute(column)}"' for k, column in enumerate(columns))
     label = _attribute(name)
     file.write(f'<DataArray type="{kind}" Name="{label}"{components} format="binary">\n'.encode())
     data = values.tobytes()
