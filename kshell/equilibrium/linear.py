@@ -114,7 +114,10 @@ class LinearSolver:
             step = self._solve(residual)
             gain = abs(float(residual @ step))
             if not np.isfinite(gain):
-                raise SolveError("the shell can move freely: the solution is not finite")
+                raise SolveError(
+                    "the solution is not finite: the shell can move freely, or loads and stiffness are of magnitudes that "
+                    "double precision does not hold together"
+                )
             energy = max(energy, gain)
             if energy == 0.0 or gain <= FINISHED * energy:
                 break

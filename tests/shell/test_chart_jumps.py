@@ -200,6 +200,55 @@ def test_lines_on_curved_charts_are_as_with_koiter_elements(name):
             np.testing.assert_allclose(entry["force"], cubic.reactions[label]["force"], atol=2e-2 * size)
 
 
+def stepped_annulus(a, r0, b, stiffness, nu=0.3):
+    """w(b) and M_r(r0) of an annulus clamped at a, free at b, of stiffness D inside and outside r0, pressure 1.
+
+    w = c0 + c1 r^2 + c2 ln r + c3 r^2 ln r + r^4 / 64 D on either side; w, w', M_r and the shear force go on.
+    """
+
+    def rows(r):  # w, w', M_r / -D, Q / -D
+        log = np.log(r)
+        first = np.array([0, 2 * r, 1 / r, 2 * r * log + r])
+        second = np.array([0, 2, -1 / r**2, 2 * log + 3])
+        shear = np.array([0, 0, 2 / r**3, 2 / r]) + second / r - first / r**2
+        return np.array([[1, r**2, log, r**2 * log], first, second + nu * first / r, shear])
+
+    def particular(r):
+        return np.array([r**4 / 64, r**3 / 16, (3 + nu) * r**2 / 16, r / 2])
+
+    system, right = np.zeros((8, 8)), np.zeros(8)
+    system[:2, :4], right[:2] = rows(a)[:2], -particular(a)[:2] / stiffness[0]
+    scale = np.array([[1, 1, d, d] for d in stiffness])
+    system[2:6, :4], system[2:6, 4:] = scale[0][:, None] * rows(r0), -scale[1][:, None] * rows(r0)
+    right[2:6] = (scale[1] / stiffness[1] - scale[0] / stiffness[0]) * particular(r0)
+    system[6:, 4:], right[6:] = rows(b)[2:], -particular(b)[2:] / stiffness[1]
+    c = np.linalg.solve(system, right)[4:]
+    tip = rows(b)[0] @ c + particular(b)[0] / stiffness[1]
+    return tip, -(stiffness[1] * (rows(r0)[2] @ c) + particular(r0)[2])
+
+
+def test_a_step_along_a_circle():
+    """Polar parameters: the step is straight in their plane and follows its circle."""
+    polar = ks.geometry.Chart.from_expressions("u*cos(v)", "u*sin(v)", "0*u")
+    tip, moment = stepped_annulus(0.5, 0.75, 1.0, (1.0, 0.125))
+    result = ks.solve(
+        curved(
+            polar,
+            4,
+            ((0.5, 1.0), (0, 0.8)),
+            thickness={"A": 0.1, "B": 0.05},
+            material=ks.Isotropic(E=12e3 * (1 - 0.3**2), nu=0.3),
+            supports=[ks.Clamped("left"), ks.Symmetry("bottom"), ks.Symmetry("top")],
+            loads=[ks.Pressure(1.0)],
+            probes={"tip": (1, 0, 0), "A": (0.75 - 1e-7, 0, 0), "B": (0.75 + 1e-7, 0, 0)},
+        )
+    )
+    assert result.model["element"] == "argyris"
+    assert result.probe("tip")["u"][2] == pytest.approx(tip, rel=3e-7)
+    for side in "AB":
+        assert result.probe(side)["M"][0] == pytest.approx(moment, rel=1e-3)
+
+
 def with_wall(n, points):
     """A square with a line through vertices, group wall."""
     flat = halves(n)
