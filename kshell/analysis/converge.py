@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from kshell.analysis.clock import Clock
-from kshell.analysis.refined_mesh import refined, shape_is_known
+from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.static import answer_once
 from kshell.errors import InputError
@@ -176,6 +176,7 @@ def _series(run: Run, levels: int) -> Series:
     out: Series | None = None
     mesh = longest_first(run.structure.parameters)
     axis: dict[str, int] = {}
+    refiner: Refiner | None = None
     for level in range(levels):
         before = time.perf_counter()
         here = run.on_mesh(mesh)
@@ -192,6 +193,7 @@ def _series(run: Run, levels: int) -> Series:
             out.values.setdefault(f"{name} u_{'xyz'[along]}", []).append(float(probe["u"][along]))
         run.tell(f"{model.element} {model.order}, mesh {level + 1}: {result.unknowns} unknowns")
         if level + 1 < levels:
-            mesh = refined(run.scene, model, np.arange(len(mesh.triangles))).mesh
+            refiner = Refiner(run.scene, model) if refiner is None else refiner
+            mesh = refiner.refined(mesh, np.arange(len(mesh.triangles))).mesh
     assert out is not None
     return out

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.run import Run
-from kshell.error.geometry_share import CUBIC, turn_of_triangles
+from kshell.error.geometry_share import domed, share_of_cubics, turn_of_triangles
 from kshell.error.marking import halvings
 from kshell.error.plates import vertex_at
 from kshell.error.premises import require_pair
@@ -24,6 +24,7 @@ Floats = NDArray[np.float64]
 
 COARSE = 5e-4  # tolerance from which equilibrated moments of order 3 are enough
 TURN, LARGEST_TURN = 0.1, 0.4  # radians by which a triangle of the first mesh may turn
+SHARE_SHAPE = 0.3  # of the tolerance, that a shape may use up
 MOST_CUTS = 60
 
 
@@ -66,14 +67,20 @@ def _in_space(place: Any, mesh: Mesh) -> Floats:
     return np.array([*np.asarray(place, dtype=float)[:2], mesh.points[0, 2]])
 
 
-def shell_start(run: Run, mesh: Mesh) -> Mesh:
-    """Triangles on a chart that turn by too much for its interpolants are cut beforehand."""
+def shell_start(run: Run, mesh: Mesh, membrane: float) -> Mesh:
+    """Triangles on a chart that turn by too much for its interpolants are cut beforehand.
+
+    ``membrane`` is its share in the energy.
+    """
     if run.scene.chart is None:
         return mesh
-    limit = float(np.clip((0.3 * float(run.options.tolerance) / CUBIC) ** (1 / 3), TURN, LARGEST_TURN))
+    most = SHARE_SHAPE * float(run.options.tolerance)
     for _ in range(MOST_CUTS):
-        turn = turn_of_triangles(run.on_mesh(mesh).structure.space)
-        if not (turn > limit).any():
+        space = run.on_mesh(mesh).structure.space
+        turn = turn_of_triangles(space)
+        share = share_of_cubics(turn, domed(space), membrane)
+        large = (turn > LARGEST_TURN) | ((turn > TURN) & (share > most))
+        if not large.any():
             break
-        mesh = bisect(mesh, np.flatnonzero(turn > limit)).mesh
+        mesh = bisect(mesh, np.flatnonzero(large)).mesh
     return mesh

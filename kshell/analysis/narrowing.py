@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.interval import Known, apart
-from kshell.analysis.refined_mesh import refined
+from kshell.analysis.refined_mesh import Refiner
 from kshell.analysis.run import Run
 from kshell.equilibrium.model import Model
 from kshell.mesh.refine import longest_first
@@ -83,6 +83,7 @@ def narrowed(
     levels: list[dict[str, Any]] = []
     turned = first.run.on_mesh(longest_first(first.run.structure.parameters))
     stages = [again(turned, turned.model())]  # triangles are cut at their first edge
+    refiner = Refiner(turned.scene, stages[0].model)
     while True:
         clock, stage = time.process_time(), stages[-1]
         known = bound(stage)
@@ -94,7 +95,7 @@ def narrowed(
         levels[-1]["seconds"] = time.process_time() - clock
         if width is not None and width <= tolerance:
             break
-        mesh = _next_mesh(stage, known)
+        mesh = _next_mesh(stage, known, refiner)
         why = ""
         if len(mesh.triangles) > FINEST or unknowns * len(mesh.triangles) > MOST_UNKNOWNS * len(
             stage.run.structure.parameters.triangles
@@ -155,13 +156,13 @@ def _estimate(known: Known, stages: list[Stage]) -> None:
     ]
 
 
-def _next_mesh(stage: Stage, known: Known) -> Any:
+def _next_mesh(stage: Stage, known: Known, refiner: Refiner) -> Any:
     """Cut where most of the width comes from; everywhere, where it comes from everywhere or that is not known."""
-    run, model, misfit = stage.run, stage.model, known.misfit
-    count = len(run.structure.parameters.triangles)
+    mesh, misfit = stage.run.structure.parameters, known.misfit
+    count = len(mesh.triangles)
     if misfit is None:
-        return refined(run.scene, model, np.arange(count)).mesh
+        return refiner.refined(mesh, np.arange(count)).mesh
     order = np.argsort(-misfit, kind="stable")
     most = int(np.searchsorted(np.cumsum(misfit[order]), BULK * misfit.sum())) + 1
     marked: Ints = np.arange(count) if most > EVERYWHERE * count else order[:most]
-    return refined(run.scene, model, marked).mesh
+    return refiner.refined(mesh, marked).mesh

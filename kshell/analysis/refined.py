@@ -8,68 +8,40 @@ and is graded toward corners whose exponents are known. Then: solve, estimate, s
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.first_mesh import order_of_moments, plate_start, shell_start
-from kshell.analysis.refined_mesh import refined, shape_is_known
+from kshell.analysis.levels import Level, Refinement, blocked, next_mesh
+from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
 from kshell.analysis.static import Answered, answer_once
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
-from kshell.error.assessment import ENERGY, PROBES, Assessment
+from kshell.error.assessment import ENERGY, PROBES
 from kshell.error.bounds import PlatePair
-from kshell.error.marking import doerfler
-from kshell.error.plates import assess_pair
+from kshell.error.plates import assess_pair, geometry_share
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.refine import bisect, cuttable, longest_first
-from kshell.mesh.words import count, place
+from kshell.mesh.refine import longest_first
+from kshell.mesh.words import count
 from kshell.plate.model import PlateModel
 from kshell.result.result import Result
 from kshell.shell.koiter.model import KoiterModel
+from kshell.shell.koiter.recovery import energies
 from kshell.solvers.memory import SHARE, available_bytes, peak_bytes
 from kshell.values.naming import listing, suggestion
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
-SHARE_BOUNDS, SHARE_ESTIMATES, SHARE_FAR = 0.6, 0.7, 0.8  # of the sum of marks that is cut
-FAR, SHARE_WORST = 30.0, 0.5  # times the tolerance, from which the worst are cut twice
 GROWTH = 2.5  # of unknowns, time and memory from one level to the next, to be expected
 MOST_LEVELS = 60
 STALLED = 0.8  # a level that leaves more of the half width than this, with half as many unknowns more, gains nothing
 GAINLESS = 3  # such levels in a row, after which refining ends
 BYTES = 30e3  # memory of a direct solve for each unknown, about
-
-
-@dataclass
-class Level:
-    """One mesh and what is known on it."""
-
-    run: Run
-    model: Model
-    assessment: Assessment
-    unknowns: int
-    half_width: float
-    seconds: float
-    answered: Answered | None = None
-    pair: PlatePair | None = None
-
-
-@dataclass
-class Refinement:
-    """The levels of a refinement, and why it ended."""
-
-    run: Run
-    names: list[str]
-    pair: bool
-    begin: float
-    levels: list[Level] = field(default_factory=list)
-    why_not: str = ""
-    frozen: float = 0.0  # share of a shape that refining adds nothing to
 
 
 def analyse(model: Model, run: Run) -> Result:
@@ -102,15 +74,16 @@ def analyse(model: Model, run: Run) -> Result:
         model=model.kind, element=model.element, large_deflection=bool(first.result.model["large_deflection"])
     )
     mesh = longest_first(model.structure.parameters)
-    loop = Refinement(run, names, False, begin)
+    loop = Refinement(run, names, False, begin, Refiner(run.scene, model))
+    followed = loop.refiner.followed
     if isinstance(model, PlateModel):
         mesh, loop.pair = plate_start(model, mesh, names, run)
     else:
-        mesh = shell_start(run, mesh)
-    if not shape_is_known(run.scene) and not loop.pair:
+        mesh = shell_start(run, mesh, _membrane(model, first))
+    if followed is not None:
+        loop.frozen = geometry_share(followed.first)
+    elif not shape_is_known(run.scene) and not loop.pair:
         loop.frozen = assess(model, first.state, first.result, 0).geometry or 0.0
-        if isinstance(model, PlateModel):
-            loop.frozen = 0.0  # the curves through its edges are followed
     _refine(loop, mesh)
     return _result(loop, first)
 
@@ -174,7 +147,7 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
         loop.why_not = _why_stop(loop, level, stalled)
         if loop.why_not:
             return
-        mesh = _next(loop, level, tolerance)
+        mesh = next_mesh(loop, level, tolerance)
 
 
 def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
@@ -192,7 +165,13 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         answered = answer_once(run.model(), run)
         model, result = answered.model, answered.result
         found = assess(model, answered.state, result, 3 * len(loop.names), loop.names)
-        found.geometry = max(found.geometry or 0.0, loop.frozen)
+        followed = loop.refiner.followed
+        if followed is None:
+            found.geometry = max(found.geometry or 0.0, loop.frozen)
+        else:
+            assert isinstance(model, PlateModel)
+            domain = model.problem.domain
+            found.geometry = loop.frozen + geometry_share(domain, followed.missed(domain))
         found.with_share((result.error["budget"]["algebra"] or 0.0) + found.geometry)
         unknowns = result.unknowns
     wanted = loop.names or [ENERGY]
@@ -220,15 +199,16 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
         return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
     if not np.isfinite(level.half_width):
         return "what is asked for does not move, so no error of it is small"
-    geometry = level.assessment.geometry or 0.0
-    if loop.frozen > 0.0 and geometry > float(options.tolerance):
-        return (
-            f"the shape of the mesh is known to {geometry:.1e} only, and refining adds nothing: give its geometry, or "
-            "a chart"
+    if loop.frozen > 0.0 and loop.frozen > float(options.tolerance):
+        cure = (
+            "give its geometry, or a chart"
+            if loop.refiner.followed is None
+            else "begin with more nodes along its curved edges"
         )
-    blocked = _blocked(loop, level)
-    if blocked:
-        return blocked
+        return f"the shape of the mesh is known to {loop.frozen:.1e} only, and refining adds nothing: {cure}"
+    limit = blocked(loop, level)
+    if limit:
+        return limit
     if stalled >= GAINLESS:
         return "further levels gain nothing: rounding sets the limit"
     if len(loop.levels) >= MOST_LEVELS:
@@ -236,40 +216,14 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
     return ""
 
 
-def _blocked(loop: Refinement, level: Level) -> str:
-    """Where triangles cannot be cut any more and leave more than the tolerance, in words; empty if nowhere."""
-    mesh, found = level.model.structure.parameters, level.assessment
-    smallest = ~cuttable(mesh)
-    for name in loop.names or [ENERGY]:
-        if smallest.any() and found.floor(name, smallest) > float(loop.run.options.tolerance):
-            worst = int(np.argmax(found.parts[name] * smallest))
-            at = place(mesh.points[mesh.triangles[worst]].mean(axis=0))
-            size = mesh.edge_lengths[mesh.triangle_edges[worst]].min()
-            return (
-                f"the triangles at {at} are as small as coordinates resolve there ({size:.0e}), and what they leave is "
-                "more"
-            )
-    return ""
-
-
-def _next(loop: Refinement, level: Level, tolerance: float) -> Mesh:
-    """The next mesh: cut where the quantities that are not known well enough have their error."""
-    found = level.assessment
-    marks = np.zeros(len(level.model.structure.parameters.triangles))
-    for name in loop.names or [ENERGY]:
-        own = found.marks[name]
-        if found.relative(name) > tolerance and own.sum() > 0.0:
-            marks += own / own.sum()
-    marks[~cuttable(level.model.structure.parameters)] = 0.0
-    if loop.pair:
-        return refined(loop.run.scene, level.model, doerfler(marks, SHARE_BOUNDS)).mesh
-    far = level.half_width > FAR * tolerance
-    chosen = doerfler(marks, SHARE_FAR if far else SHARE_ESTIMATES)
-    once = refined(loop.run.scene, level.model, chosen)
-    if not far or loop.run.scene.chart is None:
-        return once.mesh
-    worst = doerfler(marks, SHARE_WORST)
-    return bisect(once.mesh, np.flatnonzero(np.isin(once.parent, worst))).mesh
+def _membrane(model: Model, first: Answered) -> float:
+    """Share of the membrane in the energy of a shell; 1 where it is not known."""
+    if not isinstance(model, KoiterModel) or not isinstance(first.state, Solved):
+        return 1.0
+    problem = model.problem
+    membrane, bending = energies(problem.energy, problem.energy.linear_strain(first.state.x))
+    total = float((membrane + bending).sum())
+    return float(membrane.sum()) / total if total > 0.0 else 1.0
 
 
 def _result(loop: Refinement, first: Answered | None) -> Result:

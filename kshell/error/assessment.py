@@ -37,9 +37,9 @@ class Interval:
         """Size of the half width over that of the displacement; infinite where that is zero and the former is not."""
         return _ratio(float(np.linalg.norm(self.half_width)), float(np.linalg.norm(self.value)))
 
-    def widened(self, share: float) -> Interval:
-        """The interval with a relative error of another origin."""
-        more = share * np.linalg.norm(self.value) * (self.half_width > 0.0)
+    def widened(self, share: float, size: float = 0.0) -> Interval:
+        """The interval with an error of another origin, relative to its value or to a size where that is larger."""
+        more = share * max(float(np.linalg.norm(self.value)), size) * (self.half_width > 0.0)
         return Interval(self.value, self.half_width + more, self.expected + more, self.kind)
 
 
@@ -60,6 +60,8 @@ class Assessment:
         By probe, the dual solutions of plates, in physical degrees of freedom.
     geometry : float or None
         Relative error because the shape is approximated; None where it is not known.
+    size : float
+        Of the largest displacement, if another shape changes displacements everywhere by a share of that.
     why_not : str
         Why there is no proof, or no estimate.
     """
@@ -70,6 +72,7 @@ class Assessment:
     parts: dict[str, Floats] = field(default_factory=dict)
     duals: dict[str, Floats] = field(default_factory=dict)
     geometry: float | None = None
+    size: float = 0.0
     why_not: str = ""
 
     def quantities(self, wanted: str | None) -> list[str]:
@@ -109,7 +112,7 @@ class Assessment:
             e = self.energy
             more = share * abs(e.value)
             self.energy = Estimate(e.value, e.half_width + more, e.expected + more, e.kind, e.why_not)
-        self.probes = {name: interval.widened(share) for name, interval in self.probes.items()}
+        self.probes = {name: interval.widened(share, self.size) for name, interval in self.probes.items()}
 
     def intersect(self, other: Assessment) -> None:
         """Narrow guaranteed intervals to what they have in common with those of the same quantities on another mesh."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kshell.elements import matrices
 from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interval
 from kshell.error.bounds import PlatePair
+from kshell.error.curve_doubt import curve_doubt, turns
 from kshell.error.estimate import Estimate
 from kshell.error.goals import Goal
 from kshell.error.residual import Loaded, PlateResidual
@@ -25,8 +26,7 @@ Ints = NDArray[np.int64]
 WHY_NOT = "residuals are no proof, which bounds from a tolerance are on straight edges"
 AT_VERTEX = 1e-9  # distance of a probe from a vertex, in the size of the plate, that is none
 LIKELY = 0.25  # of the half width: residuals overestimate by 1 to 100 times
-# of arcs, in their radius over the fourth power of the angle they turn by; deflections grow with size to the same power
-ARC, GROWTH = 1.0 / 384.0, 4.0
+GROWTH = 4.0  # deflections grow with size to this power
 
 
 def assess_residual(
@@ -138,12 +138,16 @@ def _along_z(u: Floats, half: float, expected: float, kind: str) -> Interval:
     return Interval(np.asarray(u, dtype=float), half * along, expected * along, kind)  # type: ignore[arg-type]
 
 
-def geometry_share(domain: Domain, first: float = 0.0) -> float:
-    """Relative error because curved edges are followed by arcs of degree five through the nodes."""
+def geometry_share(domain: Domain, off: Floats | None = None) -> float:
+    """Relative error because the shape of curved edges is known by their nodes only.
+
+    Of a disk of radius R whose edge is off by delta everywhere it is 4 delta / R. ``off`` (edge,) of `Domain.curves` is
+    the `curve_doubt` if absent.
+    """
     curves = domain.curves
     if not curves.curved.any():
         return 0.0
-    turn = np.arccos(np.clip((curves.tangent[:, 0] * curves.tangent[:, 1]).sum(axis=1), -1.0, 1.0))
     weights = domain.mesh.edge_lengths[curves.edges]
-    turn = np.maximum(turn, first)
-    return float(GROWTH * ARC * (turn**4 * weights * curves.curved).sum() / weights.sum())
+    # turn over length is the curvature
+    off = curve_doubt(domain) if off is None else off
+    return float(GROWTH * (off * turns(curves)).sum() / weights.sum())

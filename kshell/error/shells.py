@@ -12,11 +12,13 @@ from kshell.error.assessment import ENERGY, Assessment, Interval
 from kshell.error.averages import Averages
 from kshell.error.estimate import Estimate
 from kshell.error.geometry_share import (
+    domed,
     share_of_cubics,
     share_of_facets,
     share_of_quadratics,
     turn_between,
     turn_of_triangles,
+    weighted,
 )
 from kshell.errors import SolveError
 from kshell.result.result import Result
@@ -111,28 +113,29 @@ def _assess(
         out.probes[name] = Interval(value, width, width / (2.0 * safety), "estimated")
         out.marks[name], out.parts[name] = mark, safety * mark
     out.geometry = geometry_share(model, strain)
+    out.size = abs(float(result.extremes["deflection"]["value"]))
     return out
 
 
-def geometry_share(model: KoiterModel, strain: Floats, first: Floats | None = None) -> float:
-    """Relative error because of the shape of the triangles.
+def geometry_share(model: KoiterModel, strain: Floats) -> float:
+    """Relative error because of the shape of the triangles; strains (triangle, 2 r) tell where the energy is."""
+    membrane, bending = energies(model.problem.energy, strain)
+    return weighted(_shares(model, membrane, bending), membrane + bending)
 
-    Parameters
-    ----------
-    strain : (triangle, 2 r)
-        Tells where the energy is.
-    first : (triangle,), optional
-        Angles by which triangles turned when the shape was last known, where refining added nothing to it.
-    """
+
+def shape_marks(model: KoiterModel, strain: Floats) -> Floats:
+    """(triangle,) what each triangle adds to that."""
+    membrane, bending = energies(model.problem.energy, strain)
+    return np.asarray(_shares(model, membrane, bending) * (membrane + bending))
+
+
+def _shares(model: KoiterModel, membrane: Floats, bending: Floats) -> Floats:
     problem = model.problem
     mesh = problem.space
-    membrane, bending = energies(problem.energy, strain)
-    energy = membrane + bending
     turn = turn_of_triangles(mesh)
-    if first is not None:
-        turn = np.maximum(turn, first)
     if problem.structure.chart is not None and model.order > 2:
-        return share_of_cubics(turn, energy)
+        stretched = membrane / np.maximum(membrane + bending, 1e-300)
+        return share_of_cubics(turn, domed(mesh), stretched)
     if mesh.midpoints is not None:
-        return share_of_quadratics(turn, energy)
-    return share_of_facets(turn_between(mesh, problem.discretisation.patches()[0]), energy)
+        return share_of_quadratics(turn)
+    return share_of_facets(turn_between(mesh, problem.discretisation.patches()[0]))

@@ -30,6 +30,8 @@ Ints = NDArray[np.int32]
 SHARPEST_SMOOTH_TURN = np.radians(70.0)
 GENTLEST_CORNER = np.radians(12.0)
 STRAIGHT = 1e-9
+UNEVEN = 0.02  # relative difference of the lengths of neighbouring edges
+REFITS = 2
 ROUNDING = 8.0 * float(np.finfo(float).eps)  # of coordinates: what cannot be told from a straight line
 
 
@@ -285,13 +287,20 @@ def _spline_derivatives(nodes: Floats, step: int, periodic: bool) -> Floats:
     -------
     (edge, end, derivative, 2) array in walking direction.
     """
-    length = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
-    parameter = np.concatenate([[0.0], np.cumsum(length)])
+    chord = np.linalg.norm(np.diff(nodes, axis=0), axis=1)
     degree = min(5, len(nodes) - 1)
-    if periodic and len(nodes) > 6:
-        slopes = spline_derivatives(parameter, nodes, 5, periodic=True)
-    else:
-        slopes = spline_derivatives(parameter, nodes, degree - (degree > 1 and degree % 2 == 0))
+    closed = periodic and len(nodes) > 6
+    order = 5 if closed else degree - (degree > 1 and degree % 2 == 0)
+    parameter = np.concatenate([[0.0], np.cumsum(chord)])
+    slopes = spline_derivatives(parameter, nodes, order, closed)
+    uneven = len(chord) > 1 and (np.abs(np.diff(np.log(chord))) > UNEVEN).any()
+    for _ in range(REFITS if uneven else 0):
+        # chords are too short by a share that grows with their length, which between long and short ones bends the
+        # curve (a circle with edges of 15 degrees beside some of 1/4 by 1e-4): lengths of arcs do not
+        t = slopes[0] / np.linalg.norm(slopes[0], axis=1)[:, None]
+        half = 0.5 * np.arctan2(t[:-1, 0] * t[1:, 1] - t[:-1, 1] * t[1:, 0], (t[:-1] * t[1:]).sum(axis=1))
+        parameter = np.concatenate([[0.0], np.cumsum(chord / np.sinc(half / np.pi))])
+        slopes = spline_derivatives(parameter, nodes, order, closed)
     width = np.diff(parameter[::step])[:, None]
     first, second = (slope[::step] for slope in slopes)
     ends = np.stack([first[:-1] * width, first[1:] * width], axis=1)

@@ -11,12 +11,14 @@ import pytest
 
 import kshell as ks
 from kshell.analysis import refined
+from kshell.analysis.followed import Followed
 from kshell.error.marking import doerfler, halvings
 from kshell.mesh import read_mesh
 from kshell.mesh.insert import with_vertices
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
 from kshell.plate.corners import corner_exponents
+from kshell.plate.domain import Domain
 from tests.error.test_bounds import rhombus
 from tests.error.test_estimates import roof
 from tests.plate.hhj_cases import MATERIAL, l_shape, problem, square
@@ -136,12 +138,39 @@ def test_several_probes_and_one_of_them() -> None:
 
 
 def test_curved_edges_are_followed_by_new_vertices() -> None:
-    scene = dataclasses.replace(plate(disk(2), ks.Clamped("edge"), centre=(0.0, 0, 0)))
-    result = ks.solve(scene, tolerance=1e-4, quantity="energy")
-    outer = result.mesh.points[np.unique(result.mesh.edges[result.mesh.groups["edge"].members])]
-    assert len(outer) > 12
-    assert np.hypot(outer[:, 0], outer[:, 1]) == pytest.approx(1.0, abs=2e-3)
-    assert abs(result.probes["centre"]["u"][2] * 64 - 1.0) < 2e-3
+    """Level after level they lie where the first mesh puts the edge: w q R^4 / 64 D to less than the tolerance."""
+    scene = plate(disk(2, 2), ks.Clamped("edge"), centre=(0.0, 0, 0))
+    result = ks.solve(scene, tolerance=5e-6, quantity="energy")
+    assert result.error["estimate"] <= 5e-6
+    assert abs(result.probes["centre"]["u"][2] * 64 - 1.0) < 5e-6
+    assert abs(result.error["energy"]["lower"] * 384 / np.pi - 1.0) < 1e-5
+    assert 0.0 < result.error["budget"]["geometry"] < 5e-6
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_edges_cut_many_times_stay_on_the_first_curve(order: int) -> None:
+    first = longest_first(disk(3, order))
+    followed = Followed.of(first, Domain(first, True))
+    mesh = first
+    for _ in range(6):
+        near = np.abs(mesh.points[mesh.triangles].mean(axis=1)[:, :2] - [1.0, 0.0]).max(axis=1) < 0.4
+        refined, followed = followed.bisected(mesh, np.flatnonzero(near))
+        mesh = refined.mesh
+    outer = mesh.points[np.unique(mesh.edges[mesh.groups["edge"].members])]
+    known = 1e-6 if order == 1 else 1e-7
+    assert len(outer) > 60
+    assert np.hypot(outer[:, 0], outer[:, 1]) == pytest.approx(1.0, abs=known)
+    domain = Domain(mesh, True)
+    assert followed.missed(domain).max() < known
+    assert (mesh.midpoints is None) == (order == 1)
+
+
+def test_too_few_nodes_along_a_curve_set_a_limit() -> None:
+    with pytest.warns(ks.KshellWarning, match="more nodes along its curved edges"):
+        result = ks.solve(plate(disk(1), ks.Clamped("edge")), tolerance=1e-6)
+    assert result.error["estimate"] > 1e-6
+    energy = result.error["energy"]
+    assert energy["lower"] < np.pi / 384 < energy["upper"]
 
 
 def test_shells_on_charts_by_estimates() -> None:

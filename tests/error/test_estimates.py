@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from kshell.error.geometry_share import turn_between, turn_of_triangles
+from kshell.error.geometry_share import domed, share_of_cubics, turn_between, turn_of_triangles
 from kshell.verify.cases import large_scenes
 from tests.plate.plates import UNIT, disk, rectangle
 
@@ -85,7 +85,7 @@ def test_curved_edges_count_in_the_budget(order: int) -> None:
         assert abs(result.probes["centre"]["u"][2] - 1 / 64) <= half(result, "centre", 2)
         shares.append(result.error["budget"]["geometry"])
     assert shares[1] > 0.0
-    assert shares[0] / shares[1] == pytest.approx(16.0, rel=0.05)
+    assert 50.0 < shares[0] / shares[1] < 90.0  # quintics
 
 
 def roof(n: int, order: int) -> ks.Scene:
@@ -189,3 +189,22 @@ def test_turns_of_triangles() -> None:
     assert not turn_of_triangles(flat).any()
     between = turn_between(flat, np.zeros(len(flat.triangles), dtype=np.int64))
     assert between.max() == pytest.approx(2 * np.pi / n, rel=1e-9)
+
+
+def test_domes_are_known_from_saddles_and_tubes() -> None:
+    """What cubic interpolants of a chart miss matters more on a dome that carries by membrane forces."""
+    dome, tube, saddle = (
+        domed(surface.mesh(6, 6, order=2, **ranges))
+        for surface, ranges in (
+            (ks.geometry.Sphere(2.0), {"u_range": (0.5, 1.5), "v_range": (0.0, 1.0)}),
+            (ks.geometry.Cylinder(2.0), {"u_range": (0.0, 1.0), "v_range": (0.0, 1.0)}),
+            (ks.geometry.Hypar(), {"u_range": (-0.5, 0.5), "v_range": (-0.5, 0.5)}),
+        )
+    )
+    assert dome.min() > 0.3  # of triangles that are long along a meridian
+    assert np.median(dome) > 0.9
+    assert tube.max() < 1e-6
+    assert saddle.max() == 0.0
+    turn = np.full(2, 0.1)
+    shares = share_of_cubics(turn, np.array([1.0, 0.0]), 1.0)
+    assert shares[0] > 20 * shares[1] > 0.0

@@ -1,0 +1,115 @@
+"""How well the nodes of a mesh tell the shape of its curved edges: every other node is left out, and missed by so much.
+
+Splines of degree k through nodes h apart are off by h^(k + 1): through every other node by 2^(k + 1) times as much.
+A quarter of that factor is relied on. Pieces with too few nodes are known to the difference of an arc from the cubic
+with its ends and tangents, length times turn^3 / 384.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
+
+from kshell.plate.curves import EdgeCurves
+from kshell.plate.domain import Domain
+
+Floats = NDArray[np.float64]
+
+SMOOTH = 1.0 - 1e-9  # cosine between tangents of one smooth line
+ENOUGH = 5  # nodes, of which every other one is left out
+DEGREE = 5
+CUBIC = 1.0 / 384.0
+RELIED = 4.0
+
+
+def curve_doubt(domain: Domain) -> Floats:
+    """(edge,) distance that the true shape of each edge of `Domain.curves` may have from the one taken; 0: straight.
+
+    An edge with a node in its middle is a quintic with the tangents and curvatures of the spline at its ends: it misses
+    that node by as much as it is off.
+    """
+    curves, mesh = domain.curves, domain.mesh
+    out = np.zeros(len(curves.edges))
+    for edges, ahead, closed in _chains(domain):
+        out[edges] = _missed(domain, edges, ahead, closed)
+    if mesh.midpoints is not None:
+        bent = np.flatnonzero(curves.curved)
+        chord = domain.points[mesh.edges[curves.edges[bent]]].mean(axis=1)
+        off = chord + curves.deviation(bent, np.array([0.5]))[:, 0] - mesh.midpoints[curves.edges[bent], :2]
+        out[bent] += np.linalg.norm(off, axis=1)
+    return out
+
+
+def turns(curves: EdgeCurves) -> Floats:
+    """(edge,) angle that each edge turns by."""
+    cosine = (curves.tangent[:, 0] * curves.tangent[:, 1]).sum(axis=1)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _chains(domain: Domain) -> list[tuple[list[int], list[bool], bool]]:
+    """Curved edges, by their places in the curves, in smooth lines; whether each is walked ahead, and lines closed."""
+    curves = domain.curves
+    ends = domain.mesh.edges[curves.edges]
+    at: dict[int, list[tuple[int, int]]] = {}
+    for k in np.flatnonzero(curves.curved).tolist():
+        for end in range(2):
+            at.setdefault(int(ends[k, end]), []).append((k, end))
+    after: dict[tuple[int, int], tuple[int, int]] = {}
+    for both in at.values():
+        if len(both) == 2:
+            (a, i), (b, j) = both
+            if a != b and abs(float(curves.tangent[a, i] @ curves.tangent[b, j])) > SMOOTH:
+                after[a, i], after[b, j] = (b, j), (a, i)
+    used: set[int] = set()
+
+    def walk(k: int, start: int) -> tuple[list[int], list[bool], bool]:
+        line: list[int] = []
+        ahead: list[bool] = []
+        while k not in used:
+            used.add(k)
+            line.append(k)
+            ahead.append(start == 0)
+            following = after.get((k, 1 - start))
+            if following is None:
+                return line, ahead, False
+            k, start = following
+        return line, ahead, True
+
+    places = sorted({k for both in at.values() for k, _ in both})
+    open_ends = [(k, end) for k in places for end in range(2) if (k, end) not in after]
+    out = [walk(k, end) for k, end in open_ends if k not in used]
+    return out + [walk(k, 0) for k in places if k not in used]
+
+
+def _missed(domain: Domain, edges: list[int], ahead: list[bool], closed: bool) -> Floats:
+    """(edge,) of one smooth line."""
+    mesh, curves = domain.mesh, domain.curves
+    place = np.array(edges)
+    ends = domain.points[mesh.edges[curves.edges[place]]]
+    forward = np.array(ahead)
+    first = np.where(forward[:, None], ends[:, 0], ends[:, 1])
+    last = np.where(forward[-1], ends[-1, 1], ends[-1, 0])
+    step = 1 if mesh.midpoints is None else 2
+    nodes = np.empty((step * len(edges) + 1, 2))
+    nodes[:-1:step], nodes[-1] = first, last
+    if step == 2:
+        assert mesh.midpoints is not None
+        nodes[1::2] = mesh.midpoints[curves.edges[place], :2]
+    if len(nodes) < ENOUGH:
+        return np.asarray(CUBIC * mesh.edge_lengths[curves.edges[place]] * turns(curves)[place] ** 3)
+    parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
+    kept = np.unique(np.append(np.arange(0, len(nodes), 2), len(nodes) - 1))
+    left = np.setdiff1d(np.arange(len(nodes)), kept)
+    periodic = closed and len(kept) > DEGREE + 1
+    degree = DEGREE if periodic else min(DEGREE, len(kept) - 1 - (len(kept) + 1) % 2)
+    spline = make_interp_spline(
+        parameter[kept], nodes[kept], k=degree, bc_type="periodic" if periodic else None
+    )
+    off, along = spline(parameter[left]) - nodes[left], spline(parameter[left], 1)
+    across = np.abs(off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]) / np.linalg.norm(along, axis=1)
+    missed = np.zeros(len(nodes))
+    missed[left] = across * RELIED / 2.0 ** (degree + 1)
+    near = [np.roll(missed[:-1], shift) for shift in (-1, 0, 1)]  # beside each edge, around where it closes
+    at_nodes = np.max(near, axis=0)
+    return np.asarray(np.maximum(at_nodes[::step], np.roll(at_nodes, -1)[::step]))
