@@ -43,11 +43,19 @@ class PetscFactoriser:
     def __init__(self, team: Team, reduction: Reduction, owner: Ints, symmetric: bool = True) -> None:
         self.team, self._symmetric = team, symmetric
         self.numbering = Numbering(team, reduction.basis, owner)
-        self.reduced = Reduced(self.numbering, reduction.basis)
+        self.reduced = Reduced(self.numbering, reduction, half=symmetric)
         self._solvers: dict[bool, Any] = {}
 
-    def factorise(self, matrix: Scattered, definite: bool = True) -> Factor:
+    def factorise(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
         """The matrix in the free unknowns, factorised. The factor serves until the next call.
+
+        Parameters
+        ----------
+        matrix : Scattered
+        definite : bool
+            False where it is likely not positive definite.
+        last : bool
+            Whether the matrix is needed no more: it makes room for the factors.
 
         Raises
         ------
@@ -55,11 +63,11 @@ class PetscFactoriser:
             If the matrix is singular, holds numbers that are not finite, or the memory does not suffice.
         """
         try:
-            return self.factors(matrix, definite)
+            return self.factors(matrix, definite, last)
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
 
-    def factors(self, matrix: Scattered, definite: bool = True) -> Factor:
+    def factors(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
         """The same; `Singular` where a pivot is zero."""
         if self.team.largest(0.0 if np.isfinite(matrix.local.data).all() else 1.0):
             raise SolveError("the stiffness is not finite: the step led too far away")
@@ -67,6 +75,8 @@ class PetscFactoriser:
             return Factor(np.zeros_like, lambda: 0)
         if self.reduced.fill(matrix):
             self._forget()
+        if last:
+            matrix.local = sp.csr_matrix(matrix.shape)
         if self._symmetric and definite:
             code = self._set_up(True)
             if code == 0:
@@ -170,9 +180,12 @@ class Symmetric(Scattered):
 
 def whole_factoriser(matrix: Scattered) -> PetscFactoriser:
     """For matrices on free unknowns."""
-    size = matrix.shape[0]
-    every = Reduction(sp.identity(size, format="csc"), np.zeros(size), np.zeros(0, dtype=np.int64))
-    return PetscFactoriser(matrix.team, every, matrix.owner)
+    return PetscFactoriser(matrix.team, whole_reduction(matrix.shape[0]), matrix.owner)
+
+
+def whole_reduction(size: int) -> Reduction:
+    """That of unknowns that are all free."""
+    return Reduction(sp.identity(size, format="csc"), np.zeros(size), np.zeros(0, dtype=np.int64))
 
 
 def _failed(code: int) -> SolveError:

@@ -37,8 +37,9 @@ class PetscLinearSolver(LinearSolver):
         self.elastic, self.reduction, self.springs = elastic, reduction, springs
         stiffness = elastic.linear_stiffness()
         stiffness = stiffness if springs is None else stiffness + springs
-        self._solve = PetscFactoriser(elastic.team, reduction, elastic.owner).factorise(stiffness).solve
+        self._factoriser = PetscFactoriser(elastic.team, reduction, elastic.owner)
         self._stiffness = Diagonal(stiffness.diagonal())  # all that is needed of it from here on
+        self._solve = self._factoriser.factorise(stiffness, last=True).solve
         self._require_held()
 
 

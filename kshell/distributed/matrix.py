@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.distributed.team import Team
-from kshell.equilibrium.reduced import ReducedPattern
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -126,50 +126,101 @@ class Reduced:
     Parameters
     ----------
     numbering : Numbering
-    basis : (unknowns, free) sparse
+    reduction : Reduction
         T.
+    half : bool
+        Whether the upper triangle alone is kept, which tells a symmetric matrix.
 
-    Raises
-    ------
-    InputError
-        If the numbers of PETSc at hand are too small for the matrix.
+    Attributes
+    ----------
+    mat : petsc4py.PETSc.Mat
     """
 
-    def __init__(self, numbering: Numbering, basis: sp.csc_matrix) -> None:
-        self.numbering, self.basis = numbering, basis
-        self._pattern: ReducedPattern | None = None
+    def __init__(self, numbering: Numbering, reduction: Reduction, half: bool) -> None:
+        self.numbering, self.reduction, self.half = numbering, reduction, half
+        self._pattern: tuple[Ints, Ints] | None = None
         self.mat: Any = None
 
     def fill(self, matrix: Scattered) -> bool:
-        """Make `mat` the reduced matrix of K; whether its pattern is a new one."""
+        """Make `mat` the reduced matrix of K; whether its pattern is a new one.
+
+        Raises
+        ------
+        InputError
+            If the numbers of PETSc at hand are too small for the matrix.
+        """
+        team = self.numbering.team
+        rows = self._own_rows(matrix)
+        known = self._pattern
+        new = known is None or not (
+            np.array_equal(known[0], rows.indptr) and np.array_equal(known[1], rows.indices)
+        )
+        if not team.number(lambda: new):
+            self.mat.zeroEntries()
+            self.mat.setValuesCSR(rows.indptr, rows.indices, rows.data)
+            self.mat.assemble()
+            return False
+        self._pattern = (rows.indptr, rows.indices)
+        self._create(rows)
+        return True
+
+    def _own_rows(self, matrix: Scattered) -> sp.csr_matrix:
+        """(mine, free) the rows of this process, with what all others have of them."""
+        team = self.numbering.team
+        given = team.communicator.alltoall(team.together(lambda: self._rows_by_process(matrix.local)))
+        return team.together(lambda: _added(given))
+
+    def _create(self, rows: sp.csr_matrix) -> None:
         from petsc4py import PETSc
 
-        numbering, team = self.numbering, self.numbering.team
-        same = not team.number(lambda: self._pattern is None or not self._pattern.fits(matrix.local))
-        if not same:
-            pattern = team.together(
-                lambda: ReducedPattern(matrix.local, self.basis, numbering.place, lower=False)
+        numbering, kind = self.numbering, PETSc.IntType
+        limit = np.iinfo(kind).max
+        largest = numbering.team.largest(float(rows.nnz))
+        if largest > limit or numbering.size > limit:
+            raise InputError(
+                f"{numbering.size} unknowns with {largest:.3g} entries on one process: the PETSc at hand counts to "
+                f"{limit}; take more processes, or a PETSc with 64-bit indices"
             )
-            self._pattern = pattern
-            if self.mat is not None:
-                self.mat.destroy()
-            largest = team.largest(float(len(pattern.indices)))
-            limit = np.iinfo(PETSc.IntType).max
-            if largest > limit or numbering.size > limit:
-                raise InputError(
-                    f"{numbering.size} unknowns with {largest:.3g} entries on one process: the PETSc at hand counts to "
-                    f"{limit}; take more processes, or a PETSc with 64-bit indices"
-                )
-            self.mat = PETSc.Mat().create(team.communicator)
-            self.mat.setSizes(((numbering.mine, numbering.size), (numbering.mine, numbering.size)))
-            self.mat.setType("aij")
-            columns = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
-            self.mat.setPreallocationCOO(pattern.indices.astype(PETSc.IntType), columns.astype(PETSc.IntType))
-        entries = team.together(lambda: self._entries(matrix))
-        self.mat.setValuesCOO(entries)
+        if self.mat is not None:
+            self.mat.destroy()
+        size = ((numbering.mine, numbering.size), (numbering.mine, numbering.size))
+        csr = (rows.indptr.astype(kind), rows.indices.astype(kind), rows.data)
+        make = PETSc.Mat().createSBAIJ if self.half else PETSc.Mat().createAIJ
+        self.mat = make(size, *([1] if self.half else []), csr=csr, comm=numbering.team.communicator)
         self.mat.assemble()
-        return not same
 
-    def _entries(self, matrix: Scattered) -> Floats:
-        assert self._pattern is not None
-        return np.ascontiguousarray(self._pattern.entries(matrix.local))
+    def _rows_by_process(self, local: sp.csr_matrix) -> list[sp.csr_matrix | None]:
+        """What this process has of the rows of each, in the new numbers; None where that is nothing."""
+        numbering = self.numbering
+        reduced = self.reduction.reduce(local)[numbering.order]
+        column = numbering.place[reduced.indices]
+        row = np.repeat(np.arange(numbering.size, dtype=np.int32), np.diff(reduced.indptr))
+        # unknowns of other processes have a zero on the diagonal here, and nothing else
+        kept = (reduced.data != 0.0) | (np.diff(reduced.indptr)[row] > 1)
+        if self.half:
+            kept &= column >= row
+        count = np.bincount(row[kept], minlength=numbering.size)
+        del row
+        start = np.concatenate([[0], np.cumsum(count)])
+        data, column = reduced.data[kept], column[kept]
+        del reduced, kept
+        out: list[sp.csr_matrix | None] = []
+        end = 0
+        for members in numbering.members:
+            begin, end = end, end + len(members)
+            some = slice(start[begin], start[end])
+            shape = (end - begin, numbering.size)
+            block = (data[some], column[some], start[begin : end + 1] - start[begin])
+            out.append(sp.csr_matrix(block, shape=shape) if start[end] > start[begin] else None)
+        mine = numbering.team.rank
+        if out[mine] is None:
+            out[mine] = sp.csr_matrix((numbering.mine, numbering.size))
+        return out
+
+
+def _added(parts: list[sp.csr_matrix | None]) -> sp.csr_matrix:
+    """The sum of what all processes have of some rows."""
+    present = [part for part in parts if part is not None]
+    total = sum(present[1:], present[0]).tocsr()
+    total.sort_indices()
+    return total

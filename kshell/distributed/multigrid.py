@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.distributed.factor import NAME
+from kshell.distributed.factor import NAME, whole_reduction
 from kshell.distributed.matrix import Numbering, Reduced, Scattered
 from kshell.distributed.prepared import PetscFactorisation
 from kshell.solvers.multigrid.galerkin import entries
@@ -52,9 +52,9 @@ class PetscMultigrid(Multigrid):
 
         team = self.matrix.team
         size = self.matrix.shape[0]
-        identity = sp.identity(size, format="csc")
-        self._fine = Numbering(team, identity, self.matrix.owner)
-        self._reduced = Reduced(self._fine, identity)
+        every = whole_reduction(size)
+        self._fine = Numbering(team, every.basis, self.matrix.owner)
+        self._reduced = Reduced(self._fine, every, half=False)
         self._reduced.fill(self.matrix)
         mat = self._reduced.mat
         mat.setOption(PETSc.Mat.Option.SPD, True)

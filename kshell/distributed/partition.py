@@ -44,9 +44,8 @@ def _by_metis(mesh: Mesh, parts: int) -> Ints:
     graph.setdiag(0)
     graph = graph.tocsr()
     graph.eliminate_zeros()
-    found = pymetis.part_graph(
-        parts, xadj=graph.indptr.astype(np.int64), adjncy=graph.indices.astype(np.int64)
-    )
+    starts, neighbours = graph.indptr.astype(np.int64), graph.indices.astype(np.int64)
+    found = pymetis.part_graph(parts, pymetis.CSRAdjacency(starts, neighbours))
     return np.asarray(found[1], dtype=np.int64)
 
 

@@ -34,9 +34,8 @@ class PetscFactorisation(Factorisation):
     def __init__(self, matrix: Scattered, why: str, space: PlateSpace) -> None:
         begin = time.perf_counter()
         self.matrix, self.name, self.why, self.warnings = matrix, NAME, why, ()
-        factoriser = whole_factoriser(matrix)
-        solve, self.factor_entries = factoriser.factorise(matrix).solve, 0
-        self._solve = lambda rhs: solve(rhs)
+        self.factoriser, self.factor_entries = whole_factoriser(matrix), 0
+        self._solve = self.factoriser.factorise(matrix).solve
         try:
             require_stiff(matrix, self._solve)
         except SolveError as error:

@@ -9,10 +9,10 @@ import pytest
 
 import kshell as ks
 from kshell.distributed.koiter import PartedDiscretisation, part_of, section_of
-from kshell.distributed.matrix import Numbering, Scattered
+from kshell.distributed.matrix import Numbering, Reduced, Scattered
 from kshell.distributed.partition import halved, partition
 from kshell.distributed.team import Team
-from kshell.equilibrium.reduced import ReducedPattern
+from kshell.equilibrium.reduction import Reduction
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.section import Section
 
@@ -192,7 +192,8 @@ def test_the_energy_of_the_parts_is_that_of_the_whole(order: int, size: int) -> 
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
 
 
-def test_entries_of_the_parts_add_up_in_the_new_numbers() -> None:
+@pytest.mark.parametrize("half", [True, False])
+def test_entries_of_the_parts_add_up_in_the_new_numbers(half: bool) -> None:
     mesh = roof()
     section = Section.isotropic(1.0, 0.3, 0.01)
     given = (mesh, 2, None, np.zeros(0, dtype=np.int64))
@@ -204,21 +205,22 @@ def test_entries_of_the_parts_add_up_in_the_new_numbers() -> None:
     basis = sp.csc_matrix(basis)
     springs = sp.diags(np.linspace(0.0, 1.0, whole.unknowns), format="csr")
 
+    reduction = Reduction(basis, np.zeros(whole.unknowns), np.zeros(0, dtype=np.int64))
+
     def work(team: Team) -> tuple[Any, ...]:
         energy = PartedDiscretisation(team, *given).energy(section)
         matrix = energy.linear_stiffness().plus(springs, 2.0)
         assert isinstance(matrix, Scattered)
         numbering = Numbering(team, basis, energy.owner)
-        pattern = ReducedPattern(matrix.local, basis, numbering.place, lower=False)
-        shape = (numbering.size, numbering.size)
-        local = sp.csc_matrix((pattern.entries(matrix.local), pattern.indices, pattern.indptr), shape=shape)
-        return numbering, local.toarray()
+        parts = Reduced(numbering, reduction, half)._rows_by_process(matrix.local)
+        return numbering, [part[rank] for part in team.communicator.allgather(parts) for rank in [team.rank]]
 
     found = played(3, work)
-    total = sum(local for _, local in found)
     order = found[0][0].order
+    rows = [sum(part.toarray() for part in parts if part is not None) for _, parts in found]
     expected = (basis.T @ (whole.linear_stiffness() + 2.0 * springs) @ basis).toarray()[np.ix_(order, order)]
-    np.testing.assert_allclose(total, expected, atol=1e-13 * np.abs(expected).max())
+    expected = np.triu(expected) if half else expected
+    np.testing.assert_allclose(np.concatenate(rows), expected, atol=1e-13 * np.abs(expected).max())
     assert sorted(np.concatenate([numbering.own for numbering, _ in found])) == list(range(len(order)))
 
 
