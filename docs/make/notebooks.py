@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 NOTEBOOKS = Path(__file__).parents[2] / "verification" / "notebooks"
-LONGEST = 3000  # characters of what a cell printed
+MOST_LINES = 60  # of what a cell printed
 
 INTRODUCTION = """# Notebooks
 
@@ -56,4 +56,12 @@ def _cell(cell: dict[str, Any], name: str, drawn: dict[str, bytes]) -> Iterator[
         else:
             text = "".join(output.get("text", data.get("text/plain", ""))).rstrip()
             if text:
-                yield f"```text\n{text[:LONGEST]}\n```"
+                yield f"```text\n{_shortened(text)}\n```"
+
+
+def _shortened(text: str) -> str:
+    """The first lines of a long print."""
+    lines = text.splitlines()
+    if len(lines) <= MOST_LINES:
+        return text
+    return "\n".join([*lines[:MOST_LINES], f"({len(lines) - MOST_LINES} more lines)"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -48,8 +49,8 @@ def new(
             typer.echo(f"written: {folder / name}")
     except OSError as error:
         raise InputError(f"{folder}: cannot be written ({error.strerror or error})") from None
-    scene = folder / f"{kind}.toml"
-    typer.echo(f"next: kshell check {scene}, then kshell solve {scene} -o {folder / 'out'} --plot")
+    scene, out = (quote(str(path)) for path in (folder / f"{kind}.toml", folder / "out"))
+    typer.echo(f"next: kshell check {scene}, then kshell solve {scene} -o {out} --plot")
 
 
 def _names(kind: str) -> Iterator[str]:

@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+import kshell as ks
 from docs.make.pages import pages as made
 from docs.make.pages import pictures
 from kshell.cli.commands import run
@@ -40,6 +41,13 @@ def test_verification_and_failures_are_pages(generated):
     assert generated["verification/table.md"].count("\n| ") > 200
     assert generated["verification/failures.md"].count("**What kshell does.**") == 15
     assert "verification/notebooks/plates.md" in generated
+
+
+def test_every_public_name_is_in_the_page_of_python():
+    page = (DOCS / "reference" / "api.md").read_text(encoding="utf-8")
+    assert [
+        name for name in ks.__all__ if not re.search(rf"\b{name}\b", page) and name != "__version__"
+    ] == []
 
 
 def test_links_lead_somewhere(generated):
