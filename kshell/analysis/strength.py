@@ -1,27 +1,27 @@
 """What is derived from the stresses of a result: those of layers at probes, and how far materials are used.
 
-`utilisation` is the largest von Mises stress at the bottom, in the middle and at the top over the yield stress there;
-in a row of values that several materials share the smallest yield stress counts.
+`utilisation` is the largest von Mises stress over the yield stress there: at the bottom, in the middle and at the top,
+and of laminates at the faces of all layers (`kshell.analysis.layers`); in a row of values that several materials share
+the smallest yield stress counts.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.analysis.layers import LayersAtRows, Warmth, add_largest, layers_at_rows, left_in_layers
 from kshell.material.part import Layered
 from kshell.material.plies import ply_stresses
 from kshell.result.result import Result
-from kshell.scene.loads import Load, Temperature
-from kshell.scene.structure import Placed, Structure
-from kshell.scene.thermal import layers_left
+from kshell.scene.structure import Structure
 
 Floats = NDArray[np.float64]
-Warmth = Sequence[Placed[Load]]
 
+SAME = 1e-9  # stresses that differ by rounding
 FACES = ("bottom", "middle", "top")
 
 
@@ -33,14 +33,18 @@ def add_strength(result: Result, structure: Structure, warmth: Warmth = ()) -> N
     warmth : sequence of Placed
         The temperatures that act.
     """
+    inside: list[LayersAtRows] = []
     if any(isinstance(part, Layered) for part in structure.section.parts) and structure.direction is None:
         _add_layers(result, structure, warmth)
+        if "moment" in result.fields:
+            inside = layers_at_rows(result, structure, warmth)
+            add_largest(result, structure, inside)
     limits = {
         face: structure.section.yield_stress(side) for face, side in zip(FACES, (-1, 0, 1), strict=True)
     }
     if all(np.isinf(limit).all() for limit in limits.values()):
         return
-    _add_utilisation(result, limits)
+    _add_utilisation(result, limits, inside)
 
 
 def _places(result: Result) -> Iterator[tuple[dict[str, Any], int]]:
@@ -55,16 +59,12 @@ def _add_layers(result: Result, structure: Structure, warmth: Warmth) -> None:
         if isinstance(part, Layered) and "M" in probe:
             force = probe.get("membrane_stress_resultant", probe["N"])
             offset = float(structure.offset[triangle])
-            left = sum(
-                layers_left(placed.item, structure.section, triangle, np.asarray(probe["x"]), offset)
-                for placed in warmth
-                if isinstance(placed.item, Temperature) and triangle in placed.members(structure.space)
-            )
-            own = None if np.ndim(left) == 0 else np.asarray(left)
-            probe["layers"] = ply_stresses(part.stack, force, probe["M"], probe.get("Q"), offset, own)
+            where = np.array([triangle]), np.asarray(probe["x"])[None]
+            left = left_in_layers(part, structure, warmth, *where)[0]
+            probe["layers"] = ply_stresses(part.stack, force, probe["M"], probe.get("Q"), offset, left)
 
 
-def _add_utilisation(result: Result, limits: dict[str, Floats]) -> None:
+def _add_utilisation(result: Result, limits: dict[str, Floats], inside: list[LayersAtRows]) -> None:
     faces = [face for face in FACES if f"von_mises_{face}" in result.fields]
     if not faces:
         return
@@ -73,11 +73,22 @@ def _add_utilisation(result: Result, limits: dict[str, Floats]) -> None:
         limit = np.full(len(rows.vertex), np.inf)
         np.minimum.at(limit, rows.corner.ravel(), np.repeat(limits[face], 3))
         used.append(np.ravel(result.fields[f"von_mises_{face}"]) / limit)
+    names = list(faces)
+    for layers in inside:
+        for k, layer in enumerate(layers.part.stack.layers):
+            own = getattr(layer.material, "yield_stress", None)
+            if own is None:
+                continue
+            share = np.zeros(len(rows.vertex))
+            # the name of an outer face goes before that of its layer
+            share[layers.rows] = (1.0 - SAME) * layers.von_mises[:, k].max(axis=1) / own
+            used.append(share)
+            names.append(layers.words(k))
     result.fields["utilisation"] = utilisation = np.max(used, axis=0)
     which, place = np.unravel_index(int(np.argmax(used)), np.shape(used))
     result.extremes["utilisation"] = {
         "value": float(utilisation[place]),
-        "face": faces[which],
+        "face": names[which],
         "at": rows.points[place].tolist(),
         "group": str(rows.group[place]) or None,
     }
@@ -87,5 +98,6 @@ def _add_utilisation(result: Result, limits: dict[str, Floats]) -> None:
             for face in faces
             if f"von_mises_{face}" in probe
         ]
+        shares += [layer["utilisation"] for layer in probe.get("layers", ()) if "utilisation" in layer]
         if shares:
             probe["utilisation"] = max(shares)

@@ -45,19 +45,16 @@ def ply_stresses(
         axes of the material as material_bottom, material_top (11, 22, 12); with shear forces shear_bottom, shear_top
         (2,) xz, yz; utilisation where the material has a yield stress.
     """
-    B = stack.B + offset * stack.A
-    D = stack.D + 2.0 * offset * stack.B + offset**2 * stack.A
-    whole = np.block([[stack.A, B], [B, D]])
-    strain, curvature = np.linalg.solve(whole, np.concatenate([N, M])).reshape(2, 3)
+    stresses = stresses_of_layers(stack, N[None], M[None], offset)[0]
+    if left is not None:
+        stresses = stresses + left
     out = []
     for k, layer in enumerate(stack.layers):
         found: dict[str, Any] = {"z": stack.z[k : k + 2].copy()}
         turn = np.linalg.inv(strain_rotation(layer.angle + getattr(layer.material, "angle", 0.0))).T
         worst = 0.0
         for side, (face, z) in enumerate(zip(("bottom", "top"), stack.z[k : k + 2], strict=True)):
-            stress = stack.Q[k] @ (strain + (offset + z) * curvature)
-            if left is not None:
-                stress = stress + left[k, side]
+            stress = stresses[k, side]
             found[f"stress_{face}"] = stress
             found[f"material_{face}"] = turn @ stress
             if shear is not None:
@@ -68,3 +65,14 @@ def ply_stresses(
             found["utilisation"] = worst / float(limit)
         out.append(found)
     return out
+
+
+def stresses_of_layers(stack: Laminate, N: Floats, M: Floats, offset: float = 0.0) -> Floats:
+    """(n, layer, 2, 3) stresses at the bottom and the top of every layer, from N and M (n, 3)."""
+    B = stack.B + offset * stack.A
+    D = stack.D + 2.0 * offset * stack.B + offset**2 * stack.A
+    whole = np.block([[stack.A, B], [B, D]])
+    both = np.linalg.solve(whole, np.concatenate([N, M], axis=1).T).T
+    strain, curvature = both[:, None, None, :3], both[:, None, None, 3:]
+    z = offset + np.stack([stack.z[:-1], stack.z[1:]], axis=1)  # (layer, 2)
+    return np.einsum("kij,nksj->nksi", stack.Q, strain + z[..., None] * curvature)

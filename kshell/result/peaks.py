@@ -109,6 +109,15 @@ def _ends_inside(structure: Structure) -> NDArray[np.integer]:
     return np.array(sorted(sharp), dtype=np.int64)
 
 
+def near_peaks(result: Result, structure: Structure) -> NDArray[np.bool_]:
+    """(row,) whether rows lie within the reach of places where stresses grow without bound."""
+    found = list(peaks(structure))
+    points, near = result.points, np.zeros(len(result.points), dtype=bool)
+    for vertex, reach in zip(found, _reach(structure, found), strict=True):
+        near |= np.linalg.norm(points - points[vertex], axis=1) <= reach
+    return near
+
+
 def mark_peaks(result: Result, structure: Structure) -> None:
     """Take the largest stress of a result away from peaks, and say so where it was one.
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
+from kshell.material.part import Part
 from kshell.material.section import Section
 from kshell.scene.loads import Temperature
 
@@ -56,14 +57,22 @@ def left_stress(
     return out
 
 
-def layers_left(load: Temperature, section: Section, triangle: int, point: Floats, offset: float) -> Floats:
-    """(layer, 2, 3) the same at the bottom and the top of every layer of a triangle, at a point (3,)."""
-    part = section.part_of(triangle)
-    total: Floats | float = 0.0
-    temperature = _temperature(load, point, np.array(offset))
-    for factor, expansion in load.expansions(point):
-        total = total + part.warming(expansion).layers @ (np.asarray(factor)[..., None] * temperature)
-    return np.asarray(total)
+def layers_left(load: Temperature, part: Part, points: Floats, offset: Floats) -> Floats:
+    """(n, layer, 2, 3) the same at the bottom and the top of every layer of a section, at points (n, 3).
+
+    Parameters
+    ----------
+    offset : (n,)
+        Of the middle of the material above the mesh there.
+    """
+    temperature = _temperature(load, points, offset)
+    parts = [
+        np.einsum(
+            "ksij,nj->nksi", part.warming(expansion).layers, np.asarray(factor)[..., None] * temperature
+        )
+        for factor, expansion in load.expansions(points)
+    ]
+    return np.asarray(sum(parts[1:], parts[0]))
 
 
 def require_expansions(load: Temperature, section: Section, triangles: Ints) -> None:

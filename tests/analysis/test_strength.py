@@ -8,6 +8,7 @@ import pytest
 import kshell as ks
 from kshell.material.laminate import laminate
 from kshell.material.plies import ply_stresses
+from kshell.material.tensors import von_mises
 from tests.scene.fabricated import square_mesh
 from tests.shell.shapes import joined, panel
 
@@ -156,9 +157,31 @@ def test_where_laminates_meet_every_sheet_has_its_own_layers_in_every_case():
             assert top == pytest.approx(probe["stress_top"], abs=1e-3 * size)
             assert bottom == pytest.approx(probe["stress_bottom"], abs=1e-3 * size)
             limit = 5e7 if name == "stiffener" else 1e8
-            worst = max(probe[f"von_mises_{face}"] for face in ("top", "middle", "bottom"))
-            assert probe["utilisation"] == pytest.approx(worst / limit)
+            stresses = [layer[f"stress_{face}"] for layer in probe["layers"] for face in ("top", "bottom")]
+            assert probe["utilisation"] == pytest.approx(max(von_mises(np.array(stresses))) / limit)
         worst = max(np.max(found.fields[f"von_mises_{face}"]) for face in ("top", "middle", "bottom"))
         assert found.extremes["von_mises"]["value"] == pytest.approx(worst)
         assert found.extremes["utilisation"]["value"] == pytest.approx(np.max(found.fields["utilisation"]))
         assert found.extremes["utilisation"]["group"] in ("plating", "stiffener")
+
+
+@pytest.mark.parametrize("model", ["plate", "shell"])
+def test_the_largest_stress_of_a_laminate_may_be_inside(model):
+    """A stiff core between soft skins, clamped: the outer faces have a hundredth of the largest stress."""
+    soft, stiff = (ks.Isotropic(E=E, nu=0.3, yield_stress=1e6) for E in (1e9, 2e11))
+    scene = ks.Scene(
+        mesh=square_mesh(8),
+        layers=[ks.Layer(soft, 0.001), ks.Layer(stiff, 0.008), ks.Layer(soft, 0.001)],
+        supports=[ks.Clamped("left")],
+        loads=[ks.Pressure(1.0)],
+        probes={"p": (0.3, 0.5, 0.0)},
+    )
+    result = ks.solve(scene, model=model, large_deflection=False, error="off")
+    inside, outside = result.extremes["von_mises_layers"], result.extremes["von_mises"]
+    assert inside["face"] in ("bottom of layer 2 of 3", "top of layer 2 of 3")
+    assert inside["value"] > 100 * outside["value"]
+    assert result.extremes["utilisation"]["value"] == pytest.approx(inside["value"] / 1e6)
+    assert result.extremes["utilisation"]["face"] == "layer 2 of 3"
+    probe = result.probes["p"]
+    core = max(von_mises(np.array([probe["layers"][1]["stress_top"], probe["layers"][1]["stress_bottom"]])))
+    assert probe["utilisation"] == pytest.approx(core / 1e6)
