@@ -1,5 +1,7 @@
 """Temperatures of plates and shells whose materials have an expansion."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from tests.plate.plates import rectangle
 
 PLY = ks.Orthotropic(E1=140e9, E2=10e9, nu12=0.3, G12=5e9, expansion=[-0.3e-6, 28e-6])
 SIZE = 0.1
+MESHES = Path(__file__).parents[2] / "meshes"
 FREE = [ks.Fixed((0, 0, 0), "xyz"), ks.Fixed((SIZE, 0, 0), "yz"), ks.Fixed((0, SIZE, 0), "z")]
 
 
@@ -201,3 +204,13 @@ def test_scene_files_have_expansions_of_layers(tmp_path):
     again = ks.Scene.load(tmp_path / "warm.toml")
     assert again.layers[0].material.expansion == (-0.3e-6, 28e-6)
     assert again.layers[1].material.expansion == 1e-5
+
+
+def test_the_shipped_cross_ply_warps_as_laminate_theory_says():
+    result = ks.solve(ks.Scene.load(MESHES / "cross_ply.toml"), error="off")
+    strain, curvature, bottom = by_hand(
+        (0, 90), -100.0
+    )  # 0.5 mm: strains are the same, curvatures twice those
+    w = -0.5 * 0.5 * (curvature[0] * 0.0 + curvature[1] * (0.25 - 0.5))
+    assert result.probes["side"]["u"] == pytest.approx([strain[0], 0.5 * strain[1], w], rel=1e-6)
+    assert result.probes["centre"]["stress_bottom"] == pytest.approx(bottom, rel=1e-6, abs=1e3)

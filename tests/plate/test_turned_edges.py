@@ -1,11 +1,14 @@
 """Prescribed rotations of the edges of plates, and the work that supports do when they move."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import kshell as ks
 from tests.plate.plates import UNIT, disk, rectangle
 
+MESHES = Path(__file__).parents[2] / "meshes"
 TURN = 0.1
 STRIP = ks.Isotropic(E=12, nu=0.0)  # with thickness 1 the bending stiffness D is 1
 
@@ -142,3 +145,14 @@ def test_two_rotations_of_one_edge_are_refused():
     ]
     with pytest.raises(ks.InputError, match="different"):
         ks.solve(strip("r", supports=supports), element="morley", error="off")
+
+
+def test_the_shipped_annulus_against_its_exact_solution():
+    """w = B (r^2 - 1) + C ln r with w' = -turn at r = 1 and no moment M_r at the free edge r = 0.4."""
+    scene = ks.Scene.load(MESHES / "turned_edge.toml")
+    turn, nu, inner = scene.supports[0].rotation, 0.3, 0.4
+    B, C = np.linalg.solve([[2 * (1 + nu), -(1 - nu) / inner**2], [2.0, 1.0]], [0.0, -turn])
+    result = ks.solve(scene, error="off")
+    exact = B * (inner**2 - 1) + C * np.log(inner)
+    assert result.probes["inner"]["u"][2] == pytest.approx(exact, rel=1e-5)
+    assert result.external_work == pytest.approx(result.strain_energy, rel=1e-5)
