@@ -115,8 +115,8 @@ class LinearSolver:
             gain = abs(float(residual @ step))
             if not np.isfinite(gain):
                 raise SolveError(
-                    "the solution is not finite: the shell can move freely, or loads and stiffness are of magnitudes that "
-                    "double precision does not hold together"
+                    "the solution is not finite: the shell can move freely, or loads and stiffness are of magnitudes "
+                    "that double precision does not hold together"
                 )
             energy = max(energy, gain)
             if energy == 0.0 or gain <= FINISHED * energy:

@@ -80,11 +80,14 @@ def test_a_mark_of_byte_order_is_skipped(solve):
     assert solve(b"\xef\xbb\xbf" + PLATE.encode())[0] == 0
 
 
-def test_a_shell_held_in_every_unknown_has_reactions(solve):
+def test_a_shell_held_in_every_unknown_is_answered(solve):
     hook = PLATE.replace("unit_square", "raasch_hook").replace(
         '{on = "left", kind = "clamped"}', '{on = "hook", fix = "xyzr"}'
     )
     code, words = solve(hook, "--large-deflection", "false")
+    assert code == 2
+    assert "straight into the support" in words
+    code, words = solve(hook, "--large-deflection", "false", "--set", "load=[]")
     assert code == 0, words
 
 
