@@ -18,10 +18,11 @@ from kshell.analysis.membrane import ALIKE, ORDER, MembraneState, membrane_state
 from kshell.analysis.models import bending_only
 from kshell.analysis.narrowing import Stage
 from kshell.analysis.prestress import plate_geometric, stressed
-from kshell.error import buckling, goerisch
+from kshell.error import buckling, frequencies, goerisch
 from kshell.error.plate_trial import hhj_system, pressed_of
 from kshell.errors import SolveError
 from kshell.plate.model import PlateModel
+from kshell.plate.vibration import energies
 from kshell.solvers.critical import CriticalPencil, factors
 
 Floats = NDArray[np.float64]
@@ -118,7 +119,7 @@ def _two_elements(stage: Stage, grows: Sequence[float]) -> Known:
     morley, argyris = (other, stage) if model.element == "argyris" else (stage, other)
     lower = _morley_bounds(morley, stage.state.membrane)
     assert lower is not None
-    upper = argyris.found.values * (1.0 + buckling.rounding(argyris.pencil, argyris.found.vectors))
+    upper = argyris.found.values * (1.0 + _rounding(argyris))
     words = (
         "intervals of factors: guaranteed, from Ritz values of Argyris elements and a bound from Morley elements; a "
         "tolerance narrows them"
@@ -145,7 +146,7 @@ def _sharp(stage: Stage, grows: Sequence[float], count: int, rough: Floats | Non
     if trials is not None:
         assert rough is not None
         lower = buckling.sharp_bounds(pressed, bounds, trials, float(rough[trials]))
-        small = buckling.rounding(stage.pencil, found.vectors)[:trials]
+        small = _rounding(stage)[:trials]
         lower = np.maximum(lower * (1.0 - small), rough[:trials])
         upper = found.values[:trials] * (1.0 + small)
         known.of = [Interval(float(a), float(b), "guaranteed") for a, b in zip(lower, upper, strict=True)]
@@ -170,6 +171,17 @@ def _sharp(stage: Stage, grows: Sequence[float], count: int, rough: Floats | Non
         f"intervals of factors: estimated from moments of degree {system.order - 1} in equilibrium, not proven: {why}"
     )
     return known
+
+
+def _rounding(stage: Stage) -> Floats:
+    """(mode,) of Ritz values, relative, and how far their energies by entries are off."""
+    assert isinstance(stage.model, PlateModel)
+    problem, x = stage.model.problem, stage.found.vectors
+    entries = (x * (stage.pencil.stiffness @ x)).sum(axis=0)
+    strains = np.diag(energies(problem, x, strains=True))
+    return np.asarray(
+        frequencies.evaluation(problem, stage.pencil.geometric, x) + np.abs(entries / strains - 1.0)
+    )
 
 
 def _share_of_forces(stage: Stage, grows: Sequence[float]) -> Floats:

@@ -171,7 +171,9 @@ def _sharp(stage: Stage, coarse: Stage, count: int) -> Known:
     rho = float(rough[trials - rigid])
     trial = trial_of(model.problem, pencil, values[:trials], found.vectors[:, : trials - rigid])
     system = hhj_system(model.problem, HHJ_ORDER, pencil.rigid)
-    small = frequencies.rounding(pencil, found)[: trials - rigid]
+    x = found.vectors[:, : trials - rigid]
+    small = frequencies.evaluation(model.problem, pencil.mass, x)
+    small = small + np.abs((x * (pencil.stiffness @ x)).sum(axis=0) / np.diag(trial.energy)[rigid:] - 1.0)
     bounds = goerisch.lower_bounds(system, trial, rho)
     sharp = bounds.values[rigid:]
     lower = np.maximum(sharp * (1.0 - small), rough[: len(sharp)])

@@ -19,6 +19,7 @@ from kshell.analysis.interval import Known, apart
 from kshell.analysis.refined_mesh import Refiner
 from kshell.analysis.run import Run
 from kshell.equilibrium.model import Model
+from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
 from kshell.solvers.pencil import Spectrum
 
@@ -30,6 +31,10 @@ FINEST, MOST_UNKNOWNS = 20_000, 200_000
 # share of the width of the intervals whose triangles are cut, and share of triangles from which all are
 BULK = 0.9
 EVERYWHERE = 0.5
+# stages that an estimate looks back on
+LOOKED_BACK = 3
+# levels that must narrow the intervals to this share, or nothing is gained any more
+STALLED, GAIN = 3, 0.8
 # share of its last step that a value may still move per step, for an estimate from the last two steps
 SLOWEST = 0.9
 
@@ -84,43 +89,61 @@ def narrowed(
     turned = first.run.on_mesh(longest_first(first.run.structure.parameters))
     stages = [again(turned, turned.model())]  # triangles are cut at their first edge
     refiner = Refiner(turned.scene, stages[0].model)
+    widths: list[float] = []
+    why = ""
     while True:
         clock, stage = time.process_time(), stages[-1]
         known = bound(stage)
         if known.misfit is None:
             _estimate(known, stages)
         width = known.only(count).width
+        widths.append(np.inf if width is None else width)
         unknowns = stage.model.unknowns
         levels.append({"unknowns": unknowns, "half_width": None if width is None else 0.5 * width})
         levels[-1]["seconds"] = time.process_time() - clock
-        if width is not None and width <= tolerance:
+        if len(widths) == 1 or widths[-1] <= min(widths):
+            best = known, stage
+        if widths[-1] <= tolerance:
             break
-        mesh = _next_mesh(stage, known, refiner)
-        why = ""
-        if len(mesh.triangles) > FINEST or unknowns * len(mesh.triangles) > MOST_UNKNOWNS * len(
-            stage.run.structure.parameters.triangles
-        ):
+        why = _why_stop(first.run, widths, time.perf_counter() - begin)
+        mesh = None if why else _next_mesh(stage, known, refiner)
+        if mesh is not None and _too_many(stage, mesh):
             why = "the mesh is not refined further"
-        elif time.perf_counter() - begin > options.time_limit:
-            why = f"the limit of {options.limit} is reached"
-        if why:
-            wide = "unknown" if width is None else f"{width:.1e} wide"
-            known.why_not = (
-                f"tolerance = {tolerance:g} is not reached: the intervals are {wide} with {unknowns} unknowns, and "
-                f"{why}"
-            )
-            known.warnings.append(known.why_not)
+        if why or mesh is None:
             break
         wide = "" if width is None else f"intervals {width:.1e} wide, "
         first.run.tell(f"bounds: {wide}{unknowns} unknowns; the mesh is refined")
         finer = stage.run.on_mesh(mesh)
-        stages.append(again(finer, finer.model()))
+        stages = [*stages[1 - LOOKED_BACK :], again(finer, finer.model())]
+    known, stage = best
+    if why:
+        wide = f"{min(widths):.1e} wide" if np.isfinite(min(widths)) else "unknown"
+        known.why_not = (
+            f"tolerance = {tolerance:g} is not reached: the intervals are {wide} with {stage.model.unknowns} "
+            f"unknowns, and {why}"
+        )
+        known.warnings.append(known.why_not)
     if len(levels) > 1:
         known.reasons.append(
             f"the mesh was refined {len(levels) - 1} times for the tolerance of {tolerance:g}"
         )
     known.levels = levels
-    return known, stages[-1]
+    return known, stage
+
+
+def _why_stop(run: Run, widths: list[float], seconds: float) -> str:
+    """Why no finer mesh is worth while, in words; empty to go on."""
+    if seconds > run.options.time_limit:
+        return f"the limit of {run.options.limit} is reached"
+    if len(widths) > STALLED and min(widths[-STALLED:]) > GAIN * min(widths[:-STALLED]):
+        return "further meshes gain nothing: rounding sets the limit"
+    return ""
+
+
+def _too_many(stage: Stage, mesh: Mesh) -> bool:
+    """Whether a mesh has too many triangles, or its model would have too many unknowns."""
+    now, then = len(stage.run.structure.parameters.triangles), len(mesh.triangles)
+    return then > FINEST or stage.model.unknowns * then > MOST_UNKNOWNS * now
 
 
 def held_to(run: Run, model: Model) -> Run:
@@ -156,7 +179,7 @@ def _estimate(known: Known, stages: list[Stage]) -> None:
     ]
 
 
-def _next_mesh(stage: Stage, known: Known, refiner: Refiner) -> Any:
+def _next_mesh(stage: Stage, known: Known, refiner: Refiner) -> Mesh:
     """Cut where most of the width comes from; everywhere, where it comes from everywhere or that is not known."""
     mesh, misfit = stage.run.structure.parameters, known.misfit
     count = len(mesh.triangles)

@@ -38,7 +38,6 @@ from kshell.elements.quadrature import triangle_rule
 from kshell.error.frequencies import EPS, OPERATIONS, softest
 from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.problem import PlateProblem
-from kshell.solvers.critical import CriticalPencil
 from kshell.solvers.pencil import Spectrum
 
 Floats = NDArray[np.float64]
@@ -103,15 +102,6 @@ def lower_bounds(problem: PlateProblem, found: Spectrum, compression: Floats) ->
     rounding = OPERATIONS * EPS * AMPLIFIED * problem.reduction.count
     safe = found.values * (1.0 - rounding)
     return safe / (1.0 + constant * safe)
-
-
-def rounding(pencil: CriticalPencil, vectors: Floats) -> Floats:
-    """(mode,) relative rounding of Ritz values: their entries are sums of OPERATIONS rounded terms."""
-    x, out = vectors, np.zeros(vectors.shape[1])
-    for matrix in (pencil.stiffness, pencil.geometric):
-        size = (np.abs(x) * (abs(matrix) @ np.abs(x))).sum(axis=0)
-        out += size / np.abs((x * (matrix @ x)).sum(axis=0))
-    return np.asarray(OPERATIONS * EPS * out)
 
 
 def from_moments(system: HHJSystem, pressed: Pressed) -> Moments:

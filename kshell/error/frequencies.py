@@ -16,10 +16,14 @@ free edges.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
+from kshell.plate.problem import PlateProblem
+from kshell.plate.vibration import energy_rounding
 from kshell.solvers.pencil import Pencil, Spectrum
 
 Floats = NDArray[np.float64]
@@ -77,3 +81,16 @@ def rounding(pencil: Pencil, found: Spectrum) -> Floats:
         work = np.array([float(c @ found.solve(c)) for c in r.T])
         out = out + np.sqrt(np.abs(work) / energy)
     return out
+
+
+def evaluation(problem: PlateProblem, weight: Any, vectors: Floats) -> Floats:
+    """(mode,) relative rounding of Ritz values of quintics, whose energies are formed through curvatures.
+
+    Parameters
+    ----------
+    weight : (free, free) matrix
+        Of the other form: mass, or geometric stiffness.
+    """
+    x, unit = vectors, OPERATIONS * EPS
+    terms = (np.abs(x) * (abs(weight) @ np.abs(x))).sum(axis=0) / np.abs((x * (weight @ x)).sum(axis=0))
+    return np.asarray(energy_rounding(problem, x, unit) + unit * terms)

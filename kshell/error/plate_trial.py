@@ -36,7 +36,7 @@ def trial_of(problem: PlateProblem, pencil: Pencil, values: Floats, vectors: Flo
     q = np.concatenate([pencil.rigid, vectors], axis=1)
     rigid = pencil.rigid.shape[1]
     energy = np.zeros((q.shape[1], q.shape[1]))
-    energy[rigid:, rigid:] = energies(problem, vectors)
+    energy[rigid:, rigid:] = energies(problem, vectors, strains=True)
     jet = _jets(problem, q)
     centres = problem.mesh.points[problem.mesh.triangles].mean(axis=1)[:, None]
     mass = problem.section.mass(np.arange(len(centres)), centres)[:, 0]
@@ -69,7 +69,7 @@ def pressed_of(
         pull = force(triangles, affine.reference_coordinates(xy))
         return -(pull @ jet(xy, 1)[..., None])[..., 0]
 
-    return Pressed(found.values, energies(problem, vectors), work, flux, lambda xy: jet(xy, 2))
+    return Pressed(found.values, energies(problem, vectors, strains=True), work, flux, lambda xy: jet(xy, 2))
 
 
 def _jets(problem: PlateProblem, q: Floats) -> Callable[[Floats, int], Floats]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -104,31 +106,74 @@ def participation(problem: PlateProblem, vectors: Floats) -> Participation:
     return Participation(factors, weights.total())
 
 
-def energies(problem: PlateProblem, vectors: Floats) -> Floats:
+def energies(problem: PlateProblem, vectors: Floats, strains: bool = False) -> Floats:
     """X^T K X of motions X (free, k), through curvatures where the entries of K have lost digits.
 
     See `kshell.plate.product`: the plane through the vertices of each triangle is taken off first.
+
+    Parameters
+    ----------
+    strains : bool
+        Through curvatures in any case.
     """
-    if problem.element.maxdeg == 2 or problem.reduction.count < ROUNDED_FROM:
+    quintic = problem.element.maxdeg > 2
+    if not quintic or not (strains or problem.reduction.count >= ROUNDED_FROM):
         return np.asarray(vectors.T @ (problem.assembled.matrix @ vectors))
+    out = np.zeros((vectors.shape[1], vectors.shape[1]))
+    for _, local, _, matrices in bent(problem, vectors):
+        out += np.tensordot(local, matrices @ local, axes=([0, 1], [0, 1]))
+    others = [form for form in problem.forms if form is not problem.bending]
+    if others:
+        rest = assemble(others, [], problem.domain, problem.reduction, Pattern(problem.reduction)).matrix
+        out += vectors.T @ (rest @ vectors)
+    return out
+
+
+def bent(problem: PlateProblem, vectors: Floats) -> Iterator[tuple[np.ndarray, Floats, Floats, Floats]]:
+    """Motions (free, k) of quintics in blocks of triangles, less the planes through their vertices.
+
+    Yields
+    ------
+    triangles (n,), physical degrees of freedom (n, local, k), the size (n, k) of the slopes before, and of the terms
+    whose sums were taken off, and matrices of bending (n, local, local).
+    """
     mesh, layout, domain = problem.mesh, problem.layout, problem.domain
     d = problem.reduction.matrix() @ vectors
-    step, k = layout.per_vertex, vectors.shape[1]
-    out = np.zeros((k, k))
+    step = layout.per_vertex
     for block in domain.blocks():
         local = d[layout.triangle_dofs(block)]  # (triangle, dof, k)
         corners, affine = domain.points[mesh.triangles[block]], domain.affine(block)
-        for mode in range(k):
+        height = np.abs(affine.determinant) / mesh.edge_lengths[mesh.triangle_edges[block]].max(axis=1)
+        w, size = local[:, : 3 * step : step], np.abs(local)
+        taken = 2.0 * np.ptp(w, axis=1) / height[:, None]
+        for axis in (1, 2):
+            taken = np.maximum(taken, size[:, axis : 3 * step : step].max(axis=1))
+        taken = np.maximum(taken, size[:, 3 * step :].max(axis=1))
+        for mode in range(vectors.shape[1]):
             slope = plane_slopes(corners, local[:, : 3 * step : step, mode])
             for vertex in range(3):
                 local[:, vertex * step + 1 : vertex * step + 3, mode] -= slope
             local[:, 3 * step :, mode] -= (affine.normals @ slope[:, :, None])[..., 0]
         local[:, : 3 * step : step] = 0.0
-        matrices = problem.bending.matrices(block, layout.element.transformation(affine))
-        forces = matrices @ local
-        out += np.tensordot(local, forces, axes=([0, 1], [0, 1]))
-    others = [form for form in problem.forms if form is not problem.bending]
-    if others:
-        rest = assemble(others, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
-        out += vectors.T @ (rest @ vectors)
-    return out
+        yield block, local, taken, problem.bending.matrices(block, layout.element.transformation(affine))
+
+
+def energy_rounding(problem: PlateProblem, vectors: Floats, unit: float) -> Floats:
+    """(k,) relative rounding of energies through curvatures, sums of terms that are each rounded by a unit.
+
+    Slopes less those of the planes are left with a unit of the slopes before, which bends the triangles.
+    """
+    layout = problem.layout
+    step, k = layout.per_vertex, vectors.shape[1]
+    value, terms, left = np.zeros(k), np.zeros(k), np.zeros(k)
+    slopes = [vertex * step + axis for vertex in range(3) for axis in (1, 2)]
+    slopes += list(range(3 * step, 3 * step + 3))
+    for _, local, taken, matrices in bent(problem, vectors):
+        size = np.abs(matrices)
+        value += (local * (matrices @ local)).sum(axis=(0, 1))
+        terms += (np.abs(local) * (size @ np.abs(local))).sum(axis=(0, 1))
+        wrong = np.zeros_like(local)
+        wrong[:, slopes] = unit * taken[:, None]
+        left += (wrong * (size @ wrong)).sum(axis=(0, 1))
+    share = np.sqrt(left / value)
+    return np.asarray(unit * terms / value + 2.0 * share + share**2)

@@ -4,6 +4,11 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.analysis.models import model_of
+from kshell.plate.vibration import energies, energy_rounding
+from kshell.solvers.eigen import smallest
+from kshell.solvers.pencil import Pencil
+from kshell.verify.cases import find
 
 NU = 0.3
 SIDES = ("x0", "x1", "y0", "y1")
@@ -296,3 +301,31 @@ def test_intervals_of_an_l_shape_close_at_its_corner(kind):
         assert b["upper"] <= a["upper"] * (1 + 1e-9)
     # fewer than halving everywhere would take
     assert len(narrow.mesh.triangles) < 0.5 * 4 ** (len(narrow.error["levels"]) - 1) * len(mesh.triangles)
+
+
+@pytest.mark.full
+def test_intervals_close_at_sharp_corners_whose_triangles_are_tiny():
+    """A cantilever rhombus of 30 degrees: rounding of its energies is that of curvatures, not of entries."""
+    case = find("vibration.rhombus.CFFF.30")
+    result = ks.solve(case.build(4, 1), element="argyris", error="auto", tolerance=5e-6, count=6)
+    assert result.error["kind"] == "guaranteed"
+    assert result.error["estimate"] <= 5e-6
+    for entry, known in zip(result.eigen, case.references.values(), strict=True):
+        # the references are Ritz values whose distance from the limit was estimated
+        assert entry["lower"] <= (known.value * (1 + known.uncertainty)) ** 2
+        assert entry["upper"] >= (known.value * (1 - 1.5 * known.uncertainty)) ** 2
+
+
+def test_rounding_of_energies_bounds_what_is_seen():
+    """On a mesh graded by 1e-3: entries of the matrix lose what curvatures keep, within the bound of both."""
+    model = model_of(find("vibration.rhombus.CFFF.30").build(4, 1), element="argyris")
+    mass = model.mass()
+    found = smallest(Pencil(model.stiffness(), mass, np.zeros((model.unknowns, 0)), model.energies), 4)
+    bound = energy_rounding(model.problem, found.vectors, 16 * np.finfo(float).eps)
+    by_entries, by_strains = (
+        np.diag(energies(model.problem, found.vectors, strains=strains)) for strains in (False, True)
+    )
+    assert np.all(bound < 1e-7)
+    assert np.all(bound > 1e-15)
+    whole = (np.abs(found.vectors) * (abs(model.stiffness()) @ np.abs(found.vectors))).sum(axis=0)
+    assert np.all(np.abs(by_entries - by_strains) <= bound * by_strains + 1e-15 * 16 * whole)
