@@ -68,7 +68,8 @@ def make_fans(domain: Domain, lines: InnerLines) -> Fans:
     mesh = domain.mesh
     if not (lines.jump | lines.held).any():
         return one_fan(mesh)
-    ends = _ends(domain, lines)
+    # what is held may end where a step goes on
+    ends = np.union1d(_ends(domain, lines.jump | lines.held), _ends(domain, lines.held))
     at_end = np.zeros(len(mesh.points), dtype=bool)
     at_end[ends] = True
     cut = np.repeat(lines.jump[:, None], 2, axis=1) | at_end[mesh.edges]  # (edge, end)
@@ -85,10 +86,10 @@ def one_fan(mesh: Mesh) -> Fans:
     return Fans(mesh.triangles, vertices, none.reshape(0, 2), np.zeros((0, 2)), none, len(vertices))
 
 
-def _ends(domain: Domain, lines: InnerLines) -> Ints:
-    """Vertices inside where an edge of a line that jumps or is held has no other in its direction."""
+def _ends(domain: Domain, line: Flags) -> Ints:
+    """Vertices inside where an edge of some (edge,) has no other in its direction."""
     mesh = domain.mesh
-    edges = np.flatnonzero(lines.jump | lines.held)
+    edges = np.flatnonzero(line)
     if not len(edges):
         return edges
     outer = np.zeros(len(mesh.points), dtype=bool)

@@ -149,6 +149,18 @@ def shell_lines(structure: Structure) -> Flags:
     return out
 
 
+def held_lines(structure: Structure) -> Flags:
+    """(edge,) edges inside a shell that supports hold, springs aside."""
+    mesh = structure.space
+    inside, out = mesh.edge_counts > 1, np.zeros(len(mesh.edges), dtype=bool)
+    for support in structure.supports:
+        place = support.place
+        elastic = isinstance(support.item, Elastic)
+        if support.item.freedoms and place is not None and place.dimension > 0 and not elastic:
+            out[_inner(place, mesh, inside)] = True
+    return out
+
+
 def _inner(place: Selection, mesh: Mesh, inside: Flags) -> Ints:
     """The edges inside of a curve, or of the border of a surface."""
     if place.dimension == 2:

@@ -276,6 +276,23 @@ def test_lines_that_end_or_turn_are_no_worse_than_with_cubic_koiter_elements_and
     assert abs(quintic.strain_energy - energy) < abs(cubic.strain_energy - energy)
 
 
+def test_a_support_ends_where_a_load_goes_on():
+    """The line of the load is straight through the end of the support, which is one all the same."""
+    flat = with_wall(8, [(0.5, 0.0), (0.5, 0.125), (0.5, 0.25), (0.5, 0.375), (0.5, 0.5)])
+    groups = {
+        n: (flat.edges if g.dimension == 1 else flat.triangles)[g.members] for n, g in flat.groups.items()
+    }
+    mesh = ks.Mesh.from_arrays(flat.points * [1.2, 1, 1], flat.triangles, groups)
+    supports = [ks.Clamped("left"), ks.SimplySupported("wall")]
+    loads = [ks.Traction((1e-3, 2e-3, 1e-3)), ks.LineForce("middle", (1e-3, 0, 0))]
+    given = scene(mesh, chart=CYLINDER, thickness=0.05, supports=supports, loads=loads)
+    with pytest.warns(ks.KshellWarning, match="end, turn or branch"):
+        quintic = ks.solve(given, error="off", element="argyris")
+    cubic = ks.solve(given, error="off", element="koiter")
+    # from below and from above
+    assert 0.9 * cubic.strain_energy < quintic.strain_energy < cubic.strain_energy
+
+
 @pytest.mark.full
 def test_a_patch_inside_and_where_lines_branch():
     """A hot quarter beside a step: lines end on another; both elements agree about the whole."""

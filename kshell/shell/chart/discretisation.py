@@ -44,8 +44,8 @@ class ArgyrisDiscretisation(Discretisation):
     mesh : Mesh
         In the parameter plane.
     chart : Chart
-    lines : (edge,) flags, optional
-        Edges inside across which strains may jump.
+    lines, held : (edge,) flags, optional
+        Edges inside across which strains may jump, and those that supports hold.
 
     Attributes
     ----------
@@ -59,7 +59,9 @@ class ArgyrisDiscretisation(Discretisation):
     order = 5
     loads = chart_loads
 
-    def __init__(self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None) -> None:
+    def __init__(
+        self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None, held: Flags | None = None
+    ) -> None:
         if mesh.midpoints is not None:
             straight = mesh.points[mesh.edges].mean(axis=1)
             if np.abs(mesh.midpoints - straight).max() > 1e-9 * mesh.size:
@@ -67,7 +69,7 @@ class ArgyrisDiscretisation(Discretisation):
                     f"{mesh.source}: edges of the parameter mesh are curved (order 2), the Argyris element on a chart "
                     f"takes straight ones: mesh with order 1, or {USE_KOITER}"
                 )
-        self.surface = ChartSurface(mesh, chart, lines)
+        self.surface = ChartSurface(mesh, chart, lines, held)
         self.unknowns = self.surface.unknowns
 
     def energy(self, section: Section, inelastic: Inelastic | None = None) -> ChartKoiter:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from kshell.errors import InputError
-from kshell.scene.lines import shell_lines
+from kshell.scene.lines import held_lines, shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.chart.discretisation import ArgyrisDiscretisation
 from kshell.shell.chart.lines import large_across_lines
@@ -36,6 +36,8 @@ class ChartModel(ShellModel):
             raise InputError(
                 f"support hinge: Argyris functions on a chart are smooth, so there are no hinges: {USE_KOITER}"
             )
-        discretisation = ArgyrisDiscretisation(structure.parameters, structure.chart, shell_lines(structure))
+        discretisation = ArgyrisDiscretisation(
+            structure.parameters, structure.chart, shell_lines(structure), held_lines(structure)
+        )
         super().__init__(ShellProblem(structure, discretisation), reasons)
         self.small_only = large_across_lines(structure)

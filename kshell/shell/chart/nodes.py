@@ -66,6 +66,8 @@ class Nodes:
         In the parameter plane.
     lines : (edge,) flags, optional
         Edges inside across which strains may jump.
+    held : (edge,) flags, optional
+        Those of them that supports hold, whose ends count as such where the line goes on, too.
 
     Attributes
     ----------
@@ -79,12 +81,16 @@ class Nodes:
         Number of scalar degrees of freedom: 6 a fan, 1 a side.
     """
 
-    def __init__(self, mesh: Mesh, lines: Flags | None = None) -> None:
+    def __init__(self, mesh: Mesh, lines: Flags | None = None, held: Flags | None = None) -> None:
         self.mesh = mesh
         inside = mesh.edge_counts > 1
         self.lines: Flags = np.zeros(len(mesh.edges), dtype=bool) if lines is None else lines & inside
         self.second: Ints = np.flatnonzero(self.lines)
-        self._onward, self.ends, self.curved = self._along_lines()
+        self._onward, self.ends, self.curved = self._along(self.second)
+        if held is not None:
+            of_held = self._along(np.flatnonzero(held & inside))[1]
+            self.ends = np.union1d(self.ends, of_held)
+            self.curved = np.setdiff1d(self.curved, of_held)
         at_end = np.zeros(len(mesh.points), dtype=bool)
         at_end[self.ends] = True
         self._cut = (self.lines[:, None] | at_end[mesh.edges]) & inside[:, None]  # (edge, end)
@@ -187,13 +193,13 @@ class Nodes:
             line.append(self.lines[edges[chosen]])
         return Ties(*(np.concatenate(part) for part in (fans, vertex, tangent, line)))
 
-    def _along_lines(self) -> tuple[dict[tuple[int, int], Floats], Ints, Ints]:
+    def _along(self, edges: Ints) -> tuple[dict[tuple[int, int], Floats], Ints, Ints]:
         """Tangents of lines at (edge, vertex) inside, vertices where lines end, and those where they are curved."""
         mesh = self.mesh
         outer = np.zeros(len(mesh.points), dtype=bool)
         outer[mesh.edges[mesh.boundary_edges]] = True
         around: dict[int, list[tuple[int, Floats]]] = {}
-        for e, t in zip(self.second.tolist(), _directions(mesh, self.second), strict=True):
+        for e, t in zip(edges.tolist(), _directions(mesh, edges), strict=True):
             for v, direction in zip(mesh.edges[e].tolist(), (t, -t), strict=True):
                 if not outer[v]:
                     around.setdefault(v, []).append((e, direction))

@@ -49,8 +49,8 @@ class ChartSurface:
     mesh : Mesh
         Its x and y are the parameters u and v; straight triangles.
     chart : Chart
-    lines : (edge,) flags, optional
-        Edges inside across which strains may jump.
+    lines, held : (edge,) flags, optional
+        Edges inside across which strains may jump, and those that supports hold.
 
     Attributes
     ----------
@@ -66,7 +66,9 @@ class ChartSurface:
         If the chart is singular at a vertex or quadrature point.
     """
 
-    def __init__(self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None) -> None:
+    def __init__(
+        self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None, held: Flags | None = None
+    ) -> None:
         self.mesh = mesh
         self.chart = chart
         self.affine = AffineTriangles.of_mesh(mesh)
@@ -74,7 +76,7 @@ class ChartSurface:
         basis = ElementArgyris.basis
         self.tables = jets_of_basis(self.points)
         self.transformation = ElementArgyris().transformation(self.affine)  # (triangle, 21, 21) M
-        self.nodes = Nodes(mesh, lines)
+        self.nodes = Nodes(mesh, lines, held)
         self.scalar: Ints = self.nodes.triangle_scalars.astype(np.int32)
         self.scalars = self.nodes.scalars
         self.unknowns = 3 * self.scalars
