@@ -163,6 +163,55 @@ def membrane() -> Iterator[Case]:
     yield case(id, "frequencies of a tapered membrane in its plane (NAFEMS FV32)", build, quantities, runs)
 
 
+def strips() -> Iterator[Case]:
+    """Narrow strips that buckle out of their plane: under their weight, and by end moments."""
+    thickness = 0.001
+    weight = thickness**2 / 12
+
+    def upright(n: int, order: int) -> ks.Scene:
+        return ks.Scene(
+            mesh=_strip(n, 1, 1.0, 0.02), thickness=thickness, material=ks.Isotropic(E=1.0, nu=0.0, density=1.0),
+            supports=[ks.Clamped("x0")], loads=[ks.Gravity((-weight, 0, 0))],
+            solve={"analysis": "buckling", "count": 1, "error": "off"},
+        )  # fmt: skip
+
+    runs = (Run("argyris", 8), Run("morley", 32))
+    words = "buckling of an upright cantilever under its own weight"
+    yield _plate("buckling.strip.weight", words, upright, runs)
+    length, unit = 40.0, _lateral(40.0)
+
+    def bent(n: int, order: int) -> ks.Scene:
+        pull = 12 * unit * length
+        return _narrow(
+            _strip(n, max(2, n // 20), length, 1.0), [ks.SimplySupported(["x0", "x1"])],
+            [ks.LineForce("x0", (f"{pull!r}*y", 0, 0)), ks.LineForce("x1", (f"-{pull!r}*y", 0, 0))],
+        )  # fmt: skip
+
+    words = "lateral buckling of a strip between fork bearings, by equal end moments"
+    yield _plate("buckling.strip.moment", words, bent, (Run("argyris", 40), Run("morley", 160)))
+
+
+def _strip(n_x: int, n_y: int, length: float, height: float) -> ks.Mesh:
+    sides = ("x0", "x1", "y0", "y1")
+    return ks.geometry.Plane().mesh(n_x, n_y, 1, sides, (0, length), (-height / 2, height / 2), "alternate")
+
+
+def _lateral(length: float, thickness: float = 0.02) -> float:
+    """(B C)^(1/2) / L^2 of a strip of E = 1, nu = 0 and height 1: B = E h t^3 / 12, C = G h t^3 / 3."""
+    return float(np.sqrt(thickness**3 / 12 * thickness**3 / 6)) / length**2
+
+
+def _narrow(mesh: ks.Mesh, held: list[Any], loads: list[Any], **options: Any) -> ks.Scene:
+    solve = {"analysis": "buckling", "count": 2, "error": "off", **options}
+    material = ks.Isotropic(E=1.0, nu=0.0)
+    return ks.Scene(mesh=mesh, thickness=0.02, material=material, supports=held, loads=loads, solve=solve)
+
+
+def _plate(id: str, words: str, build: Build, runs: tuple[Run, ...]) -> Case:
+    return case(id, words, build, {"factor": Eigen(0, "factor")}, runs)
+
+
 def cases() -> list[Case]:
     """All of them."""
-    return [one for family in (tubes, axial, sphere, published_plates, membrane) for one in family()]
+    families = (tubes, axial, sphere, strips, published_plates, membrane)
+    return [one for family in families for one in family()]
