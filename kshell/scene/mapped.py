@@ -16,7 +16,6 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BeforeValidator, WithJsonSchema
-from scipy.spatial import cKDTree
 
 from kshell.errors import InputError, clipped
 from kshell.mesh import quadratic
@@ -140,6 +139,8 @@ class Known:
             self.reach = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
             self._locator = Locator(corners)
         else:
+            from scipy.spatial import cKDTree
+
             self._tree = cKDTree(points)
             apart = self._tree.query(points, k=2)[0][:, 1] if len(points) > 1 else np.zeros(1)
             self.reach = 2.0 * float(apart.max())
