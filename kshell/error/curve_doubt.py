@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
 
 from kshell.plate.curves import EdgeCurves
 from kshell.plate.domain import Domain
@@ -103,6 +102,8 @@ def _missed(domain: Domain, edges: list[int], ahead: list[bool], closed: bool) -
     left = np.setdiff1d(np.arange(len(nodes)), kept)
     periodic = closed and len(kept) > DEGREE + 1
     degree = DEGREE if periodic else min(DEGREE, len(kept) - 1 - (len(kept) + 1) % 2)
+    from scipy.interpolate import make_interp_spline
+
     spline = make_interp_spline(
         parameter[kept], nodes[kept], k=degree, bc_type="periodic" if periodic else None
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from kshell.mesh.mesh import Mesh
 
@@ -35,5 +34,7 @@ def with_normals(mesh: Mesh, triangles: Ints) -> Floats:
 def beside(mesh: Mesh, triangles: Ints, points: Floats) -> Floats:
     """(n, 6) points with the normals of the nearest vertices of triangles."""
     known = with_normals(mesh, triangles)
+    from scipy.spatial import cKDTree
+
     _, nearest = cKDTree(known[:, :3]).query(points)
     return np.hstack([points, known[nearest, 3:]])
