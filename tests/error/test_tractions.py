@@ -83,5 +83,6 @@ def test_duals_are_solved_once_for_all_cases(monkeypatch):
     result = ks.solve(scene, model="plate")
     assert len(calls) == 1
     assert calls[0][1] == 2
-    assert result.cases["two"].error["budget"]["shear"] > 0.0
+    assert result.cases["one"].error["budget"]["shear"] > 0.0
+    assert "force" in result.cases["two"].error["shear_why_not"]
     assert set(result.cases["two"].error["probes"]) == {"p", "q"}
