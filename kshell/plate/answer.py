@@ -44,6 +44,10 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
     )
     reactions = finder.find(d, problem.loads.forms, fields)
     warnings = [*problem.warnings(), *solution.warnings]
+    if problem.hanging:
+        warnings += problem.drift(
+            float(np.abs(fields.vertex_displacement).max()), problem.loads, reactions.left
+        )
     if reactions.balance > UNBALANCED:
         warnings.append(
             f"loads and reactions differ by {reactions.balance:.1e} of the larger: the solution has few correct "

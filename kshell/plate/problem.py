@@ -30,7 +30,7 @@ from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.points import PlatePoints
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
-from kshell.plate.rigid import require_held
+from kshell.plate.rigid import Hanging, drift_warning, require_held
 from kshell.plate.space import plate_space
 from kshell.plate.supports import apply_supports
 from kshell.scene.lines import inner_lines
@@ -82,8 +82,9 @@ class PlateProblem:
             structure.loads, self.domain, self.layout, self.bending, self.section, structure.masses
         )
         springs = [form for _, form in self.supports.springs]
+        self.hanging: list[Hanging] = []
         if not structure.movable:
-            require_held(self.domain, self.layout, self.supports.conditions, springs)
+            self.hanging = require_held(self.domain, self.layout, self.supports.conditions, springs)
         shared = shared_slopes(self.domain, element) if len(self.domain.bent) else None
         self.reduction = Reduction(self.layout, self.supports.conditions, shared)
         holds = [form for _, form in self.supports.holds]
@@ -221,6 +222,14 @@ class PlateProblem:
         """Interior angle at each corner of the boundary."""
         known = self.domain.boundary if self.element.maxdeg > 2 else None  # Morley keeps to the chords
         return corner_angles(self.mesh, known)
+
+    def drift(self, largest: float, loads: Loads, left: float) -> list[str]:
+        """What should be said of a plate on springs under loads that deflect it by so much, and that leave so much."""
+        if not self.hanging:
+            return []
+        size = float(self.mesh.size)
+        gross = sum(form.gross(size) for form in loads.forms)
+        return drift_warning(self.hanging, left, gross, self.reduction.count, largest)
 
     def warnings(self) -> list[str]:
         """What the user should know about the model."""

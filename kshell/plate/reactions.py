@@ -43,10 +43,13 @@ class Reactions:
         of the plate, part of force.
     balance : float
         What loads and reactions leave over, relative to the largest of them.
+    left : float
+        The same as a force.
     """
 
     groups: dict[str, MutableMapping[str, Any]]
     balance: float
+    left: float = 0.0
 
 
 class ReactionFinder:
@@ -89,7 +92,7 @@ class ReactionFinder:
             totals[label] = totals[label] + self._rigid_work(load)
         corners = CornerForces(self.domain, self.reduction, self.supports, self.bending, loads, fields)
         groups = {label: self._document(label, total, corners) for label, total in totals.items()}
-        return Reactions(groups, self._balance(totals, loads, d))
+        return Reactions(groups, *self._balance(totals, loads, d))
 
     def _shared(self, r: Floats) -> dict[int, dict[int, Floats]]:
         """Work (per_vertex,) that falls to each group, by its number, at vertices that several groups hold."""
@@ -232,8 +235,8 @@ class ReactionFinder:
             {"force": lambda: out["force"], "moment": lambda: out["moment"], "corners": concentrated}
         )
 
-    def _balance(self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats) -> float:
-        """Error of equilibrium of forces, and of moments about the centre, relative to what acts.
+    def _balance(self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats) -> tuple[float, float]:
+        """Error of equilibrium of forces, and of moments about the centre, relative to what acts, and as it is.
 
         Where no load acts, relative to the forces that would bend the plate by as much as it moves: one that is only
         lifted has reactions of rounding.
@@ -242,10 +245,11 @@ class ReactionFinder:
         parts = [load.resultant(self.centre) * scale for load in loads]
         parts += [total * scale for total in totals.values()]
         if not parts:
-            return 0.0
+            return 0.0, 0.0
         gross = [load.gross(self.size) for load in loads] or [self._bending_force(d)]
         largest = max(float(np.abs(parts).max()), *gross, 1e-300)
-        return float(np.abs(np.sum(parts, axis=0)).max() / largest)
+        left = float(np.abs(np.sum(parts, axis=0)).max())
+        return left / largest, left
 
     def _bending_force(self, d: Floats) -> float:
         """D w / size^2 with the largest stiffness and deflection."""

@@ -5,6 +5,8 @@ A plate in bending moves rigidly as w = c0 + c1 x + c2 y, each piece of the mesh
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,10 +23,57 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LOOSE = 1e-10  # resistance to a motion, relative to the largest one in the piece
+UNRESISTED = 1e-24  # of conditions, whose rows are of size one, that is rounding
+LOST = 0.5  # rounding of a sum of forces, in units of the last digit of all together, over the root of their number
+DRIFT = 1e-3  # motion by rounding over the largest deflection that is worth saying
 
 
-def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs: list[Form]) -> None:
-    """Raise InputError if a piece of the plate can move as a rigid body, naming the motion and the piece."""
+@dataclass(frozen=True, eq=False)
+class Hanging:
+    """Rigid motions of a piece that nothing but springs resists.
+
+    Attributes
+    ----------
+    stiffness : (k, k)
+        Of the springs against them; as displacements of the size of the piece.
+    """
+
+    stiffness: Floats
+
+    def moved_by(self, force: float) -> float:
+        """Deflection by forces that rounding has left."""
+        return float(force * np.abs(np.linalg.pinv(self.stiffness, hermitian=True)).max(initial=0.0))
+
+
+def drift_warning(hanging: list[Hanging], left: float, gross: float, count: int, largest: float) -> list[str]:
+    """Of a plate that hangs on springs so soft that the rounding of its loads moves it.
+
+    Parameters
+    ----------
+    left : float
+        What loads and reactions differ by: the rounding of forces inside.
+    gross : float
+        Sum of the sizes of all loads, of whose balance rounding leaves something, too.
+    count : int
+        Unknowns.
+    largest : float
+        Deflection.
+    """
+    lost = max(left, LOST * np.sqrt(count) * np.finfo(float).eps * gross)
+    drift = max((piece.moved_by(lost) for piece in hanging), default=0.0)
+    if drift <= DRIFT * largest:
+        return []
+    return [
+        f"springs alone keep the plate in place, so soft that rounding of its loads may move it by about {drift:.1g} "
+        f"as a whole, of deflections up to {largest:.3g}; moments and stresses are right. Hold it, or take stiffer "
+        "springs"
+    ]
+
+
+def require_held(
+    domain: Domain, layout: Layout, conditions: Conditions, springs: list[Form]
+) -> list[Hanging]:
+    """The motions that springs alone resist; InputError if a piece of the plate can move freely, naming both."""
     mesh = domain.mesh
     piece_count, piece = pieces(mesh)
     gram = np.zeros((piece_count, 3, 3))
@@ -54,6 +103,7 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
         member = piece[triangles]
         motion = rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
         add((rows[:, None] @ motion)[:, 0] * sizes[member][:, None], member)
+    by_conditions, stiffness = gram.copy(), np.zeros_like(gram)
     for spring in springs:
         for positions, triangles in spring.blocks():
             member = piece[triangles]
@@ -62,6 +112,7 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
             resistance = spring.matrices(positions, m @ motion)
             total = np.zeros((piece_count, 3, 3))
             np.add.at(total, member, resistance)
+            stiffness += total
             biggest = np.abs(total).max(axis=(1, 2), initial=0.0)
             gram += total / np.where(biggest > 0, biggest, 1.0)[:, None, None]
 
@@ -71,6 +122,18 @@ def require_held(domain: Domain, layout: Layout, conditions: Conditions, springs
         k = int(loose[0])
         free = vector[k][:, value[k] < LOOSE * max(value[k, 2], 1e-300)]
         raise InputError(_words(free, centres[k], sizes[k], piece_count, mesh, piece == k))
+    return _hanging(by_conditions, stiffness) if springs else []
+
+
+def _hanging(by_conditions: Floats, stiffness: Floats) -> list[Hanging]:
+    """From the resistance (piece, 3, 3) of conditions and the stiffness (piece, 3, 3) of springs."""
+    out = []
+    for resisted, stiff in zip(by_conditions, stiffness, strict=True):
+        value, vector = np.linalg.eigh(resisted)
+        loose = vector[:, value < max(LOOSE * value[-1], UNRESISTED)]
+        if loose.shape[1]:
+            out.append(Hanging(loose.T @ stiff @ loose))
+    return out
 
 
 def pieces(mesh: Mesh) -> tuple[int, Ints]:

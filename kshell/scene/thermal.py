@@ -76,8 +76,14 @@ def layers_left(load: Temperature, part: Part, points: Floats, offset: Floats) -
 
 
 def require_expansions(load: Temperature, section: Section, triangles: Ints) -> None:
-    """Raise InputError, with the load, if what it warms has no expansion."""
+    """Raise InputError, with the load, if what it warms has no expansion, or relaxes where layers keep stresses."""
     _warming(load, section, triangles, None if load.expansion is None else (1.0, 1.0))
+    relaxing = any(getattr(m, "relaxation", None) for part in section.parts for m in part.materials)
+    if relaxing and keeps_stress(load, section, triangles):
+        raise InputError(
+            f"{load}: its layers expand differently and relax: how the stresses that they keep against each other fade "
+            "is not followed; give all layers one expansion, or leave relaxation out"
+        )
 
 
 def couples(load: Temperature, section: Section) -> bool:

@@ -117,6 +117,19 @@ def test_without_an_expansion_anywhere_it_is_refused(changes, words):
         ks.solve(square(**changes), error="off")
 
 
+def test_layers_that_relax_against_each_other_are_refused():
+    def layers(*expansions):
+        return [
+            ks.Layer(ks.Isotropic(E=1e9, nu=0.3, expansion=a, relaxation=[[0.5, 1.0]]), 1e-3)
+            for a in expansions
+        ]
+
+    with pytest.raises(ks.InputError, match="expand differently and relax"):
+        ks.solve(square(thickness=None, material=None, layers=layers(1e-5, 2e-5)), error="off")
+    alike = square(thickness=None, material=None, layers=layers(1e-5, 1e-5))
+    assert ks.solve(alike, large_deflection=False, error="off").strain_energy < 1e-12
+
+
 @pytest.mark.parametrize("element", ["argyris", "morley"])
 def test_groups_that_expand_differently_bend_a_line_between_them(element):
     """The lower half bends freely by a gradient, the upper one does not."""

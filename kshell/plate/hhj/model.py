@@ -151,6 +151,10 @@ class HHJModel(Model):
         fields = HHJFields(problem, self.loads, system, found)
         forces = reactions(problem, self.loads, system, found)
         warnings = self.warnings()
+        if problem.hanging:
+            warnings += problem.drift(
+                float(np.abs(fields.vertex_displacement).max()), self.loads, forces.left
+            )
         if forces.balance > UNBALANCED:
             warnings.append(
                 f"loads and reactions differ by {forces.balance:.1e} of the larger: the solution has few correct "

@@ -157,7 +157,7 @@ def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: 
     scale = np.array([1.0, 1.0 / size, 1.0 / size])
     parts = [load.resultant(centre) * scale for load in loads.forms]
     parts += [total * scale for total in totals.values()]
-    balance = 0.0
+    balance = left_over = 0.0
     if parts:
         # where nothing acts, the forces that would bend the plate by as much as it moves
         bending = (
@@ -165,9 +165,10 @@ def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: 
         )
         gross = [load.gross(size) for load in loads.forms] or [float(bending)]
         largest = max(float(np.abs(parts).max()), *gross, 1e-300)
-        balance = float(np.abs(np.sum(parts, axis=0)).max() / largest)
+        left_over = float(np.abs(np.sum(parts, axis=0)).max())
+        balance = left_over / largest
     documents: dict[str, Any] = {}
     for label, (force, mx, my) in totals.items():
         moment = np.array([mx + centre[1] * force, my - centre[0] * force, 0.0])
         documents[label] = {"force": np.array([0.0, 0.0, force]), "moment": moment}
-    return Reactions(documents, balance)
+    return Reactions(documents, balance, left_over)
