@@ -94,7 +94,8 @@ def _stretched(result: Result, structure: Structure, large: bool) -> list[str]:
     centres = mesh.points[mesh.triangles[every]].mean(axis=1)[:, None]
     stiffness = section.membrane(every, centres)[:, 0].max(axis=(1, 2))
     held = float(np.sum(mesh.areas * stiffness))
-    strain = float(np.sqrt(max(6.0 * result.strain_energy / held, 0.0)))
+    energy = result.strain_energy - result.energies.get("springs", 0.0)
+    strain = float(np.sqrt(max(6.0 * energy / held, 0.0)))
     if not strain > (STRETCHED_LARGE if large else STRETCHED):
         return []
     return [

@@ -21,7 +21,7 @@ from kshell.errors import InputError, SolveError
 from kshell.result.result import Result
 from kshell.scene.options import TOLERANCE
 from kshell.scene.structure import Structure
-from kshell.scene.supports import RigidLink, SimplySupported
+from kshell.scene.supports import Elastic, RigidLink, SimplySupported
 
 # deflection over thickness up to which no plate stretches by as much as matters
 SMALL = 0.07
@@ -225,8 +225,11 @@ def _linear_only(model: Model, run: Run, solved: Solved | None) -> Answered:
 
 
 def _bent(plate: Result, structure: Structure) -> float:
-    """The largest deflection; of a plate that supports move what is left of it without its rigid part."""
-    if not any(placed.item.moves for placed in structure.supports):
+    """The largest deflection; of a plate that supports move, or springs alone hold, without its rigid part."""
+    holding = [
+        p.item for p in structure.supports if "z" in p.item.freedoms and not isinstance(p.item, Elastic)
+    ]
+    if holding and not any(placed.item.moves for placed in structure.supports):
         return abs(float(plate.extremes["deflection"]["value"]))
     w = np.asarray(plate.fields["displacement"])[:, 2]
     x = np.asarray(plate.points)[:, :2]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kshell.material.section import Section
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
+from kshell.plate.assembly import residual
 from kshell.plate.domain import Domain
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
@@ -56,6 +57,14 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
 
     probed = probe_values(problem.structure.probes, Above(fields, mesh), mesh, "plate")
     strain_energy, work = problem.energies(np.asarray(solution.x, dtype=np.float64))
+    springs = [form for _, form in problem.supports.springs]
+    energies = {}
+    if springs:
+        every = np.arange(len(mesh.triangles))
+        energies["springs"] = 0.5 * float(
+            d @ residual(springs, [], problem.domain, problem.reduction, d, every)
+        )
+        energies["bending"] = strain_energy - energies["springs"]
     error = no_error_estimate()
     error["budget"]["algebra"] = float(solution.energy_error)
     return Result(
@@ -74,6 +83,7 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         reactions=reactions.groups,
         balance=reactions.balance,
         strain_energy=strain_energy,
+        energies=energies,
         external_work=work,
         evaluate=fields.at,
         error=error,

@@ -64,3 +64,18 @@ def test_what_bends_while_it_is_lifted_is_still_called_bent():
     scene = ks.Scene(mesh=rectangle(4), thickness=0.01, material=STEEL, supports=[bent])
     with pytest.warns(ks.KshellWarning, match="times the thickness"):
         ks.solve(scene, error="off")
+
+
+@pytest.mark.parametrize("element", ["argyris", "morley", "hhj"])
+def test_a_plate_that_sinks_into_its_bedding_is_neither_bent_nor_strained(element):
+    scene = ks.Scene(
+        mesh=rectangle(4),
+        thickness=0.01,
+        material=STEEL,
+        supports=[ks.Elastic("plate", 1e3)],
+        loads=[ks.Pressure(100.0)],
+    )
+    result = quietly(scene, element=element)
+    assert result.fields["displacement"][:, 2] == pytest.approx(np.full(len(result.points), 0.1), rel=1e-6)
+    assert result.energies["springs"] == pytest.approx(0.5 * 1e3 * 0.1**2, rel=1e-6)
+    assert abs(result.energies["bending"]) < 1e-6 * result.energies["springs"]

@@ -164,6 +164,10 @@ class HHJModel(Model):
         probed = probe_values(self.structure.probes, Above(fields, mesh), mesh, "plate")
         error = no_error_estimate()
         error["budget"]["algebra"] = found.corrections[-1]
+        energies = {}
+        if system.springs:
+            energies = {"springs": system.spring_energy(found)}
+            energies["bending"] = system.energy(found) - energies["springs"]
         return Result(
             mesh=mesh,
             fields=vertex_fields(fields),
@@ -180,6 +184,7 @@ class HHJModel(Model):
             reactions=forces.groups,
             balance=forces.balance,
             strain_energy=system.energy(found),
+            energies=energies,
             external_work=0.5 * (found.work + work_of_supports(system, found)),
             evaluate=fields.at,
             error=error,

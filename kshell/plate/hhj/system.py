@@ -237,7 +237,11 @@ class HHJSystem:
 
     def energy(self, solution: HHJSolution) -> float:
         """Strain energy of a solution, of its springs too."""
-        total = float((solution.strains**2).sum())
+        return 0.5 * float((solution.strains**2).sum()) + self.spring_energy(solution)
+
+    def spring_energy(self, solution: HHJSolution) -> float:
+        """Of the springs alone."""
+        total = 0.0
         for spring in self.springs:
             total += float(((spring.rows @ solution.local[spring.triangles][..., None]) ** 2).sum())
         return 0.5 * total
