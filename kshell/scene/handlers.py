@@ -49,6 +49,8 @@ class Handlers:
         """
         if placed.place is not None and placed.place.warning:
             warnings.append(placed.place.warning)
+        if placed.warning:
+            warnings.append(placed.warning)
         for kind in type(placed.item).__mro__:
             if kind in self._table:
                 self._table[kind](builder, placed.item, placed)

@@ -71,9 +71,12 @@ def _middle(space: Mesh, dimension: int, member: int) -> Floats:
     return np.asarray(space.points[(space.edges if dimension == 1 else space.triangles)[member]].mean(axis=0))
 
 
-def lost_at_points(load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, flat: bool) -> str:
-    """What a load at points does that goes straight into supports, in words; its reaction is asked for, perhaps."""
-    return next(_lost(load, supports, space, flat, (0,)), "")
+def lost_into_supports(load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh) -> str:
+    """What a load at points or on surfaces does that goes straight into supports, in words.
+
+    No contradiction as on curves: its reaction is asked for, perhaps.
+    """
+    return next(_lost(load, supports, space, is_flat(space.points), (0, 2)), "")
 
 
 def _lost(
@@ -81,7 +84,7 @@ def _lost(
     supports: Sequence[Placed[Support]],
     space: Mesh,
     flat: bool,
-    dimensions: tuple[int, ...] = (1, 2),
+    dimensions: tuple[int, ...] = (1,),
 ) -> Iterator[str]:
     """A load where supports hold altogether what it pushes along: it goes into them and deforms nothing.
 

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from kshell.errors import InputError, clipped
 from kshell.material.by_group import per_triangle
 from kshell.material.section import Section, shell_section
-from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
@@ -27,7 +26,7 @@ from kshell.scene.normals import with_normals
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.places import Point, ProbePoint
 from kshell.scene.scene import Scene
-from kshell.scene.sense import contradictions, lost_at_points
+from kshell.scene.sense import contradictions, lost_into_supports
 from kshell.scene.supports import Clamped, Fixed, RigidLink, Support
 from kshell.scene.thermal import require_expansions
 from kshell.values.time import at_time, depends_on_time
@@ -47,11 +46,14 @@ class Placed(Generic[T]):
         Vertices, edges or triangles; None is everywhere.
     link : RigidLink, optional
         Whose point it acts on; its place is then that of the link.
+    warning : str
+        What the user should know about where it acts.
     """
 
     item: T
     place: Selection | None
     link: RigidLink | None = None
+    warning: str = ""
 
     def members(self, mesh: Mesh) -> NDArray[np.integer]:
         """Numbers of the vertices, edges or triangles it acts on; all triangles where it acts everywhere."""
@@ -229,13 +231,10 @@ def _from_files(loads: Iterable[Placed[Load]], space: Mesh) -> tuple[tuple[Place
 def _warned(
     load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, moving: bool
 ) -> Placed[Load]:
-    """A load, with a warning beside its place where it acts at points that supports hold along it."""
+    """A load, with a warning where it acts at points or on surfaces that supports hold along it."""
     now = load.at_time(0.0) if moving else load
-    words = lost_at_points(now, supports, space, is_flat(space.points))
-    if not words or load.place is None:
-        return load
-    warning = words if load.place.warning is None else f"{load.place.warning}; {words}"
-    return replace(load, place=replace(load.place, warning=warning))
+    words = lost_into_supports(now, supports, space)
+    return replace(load, warning=words) if words else load
 
 
 def _directions(given: Any, mesh: Mesh) -> Floats | None:
