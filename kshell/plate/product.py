@@ -53,7 +53,7 @@ def part_product(problem: PlateProblem, wanted: NDArray[np.bool_] | None) -> Cal
             dofs = layout.triangle_dofs(block)
             local = less_planes(domain, layout, block, d)
             transform = layout.element.transformation(domain.affine(block))
-            force = problem.bending.matrices(block, transform) @ local[:, :, None]
+            force = problem.bending.products(block, transform, transform @ local[:, :, None])
             out += np.bincount(dofs.ravel(), force.ravel(), layout.count)
         result = reduction.T @ out
         return result if elastic is None else result + elastic @ q
