@@ -15,8 +15,8 @@ from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.reduced import ReducedPattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
-from kshell.solvers.backends import CHOLMOD, PARDISO, Singular
-from kshell.solvers.repeated import Cholmod, Factor, Pardiso, SuperLU
+from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, Singular
+from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -29,9 +29,9 @@ DISSECTED_FROM = 60_000
 class Factoriser:
     """Factorises the matrices of one structure, T^T K T with the basis T of its free motions.
 
-    Cholesky by CHOLMOD where it is installed and the matrix is positive definite. Otherwise pivots of both signs,
-    by PARDISO or else by SuperLU in the order of nested dissection. Pattern and order are kept from one matrix to
-    the next.
+    Cholesky by CHOLMOD where it is installed and the matrix is positive definite. Otherwise pivots of both signs, by
+    rslab, PARDISO, or, where these are not installed or find no pivots, by SuperLU in the order of nested dissection.
+    Pattern and order are kept from one matrix to the next.
 
     Parameters
     ----------
@@ -126,13 +126,17 @@ class Factoriser:
         """The factor by the first library that there is and that the matrix suits."""
         if not self._basis.shape[1]:
             return Factor(np.zeros_like, lambda: 0)
+        kinds: list[type] = []
+        if self._symmetric:
+            kinds += [Cholmod] * (CHOLMOD.installed and definite)
+            kinds += [Rslab] if RSLAB.installed else [Pardiso] * PARDISO.installed
+        for kind in kinds:
+            try:
+                return factorised(kind)
+            except Singular:
+                pass  # not positive definite, or no pivots that it trusts: the next ones say how far
         try:
-            if self._symmetric and CHOLMOD.installed and definite:
-                try:
-                    return factorised(Cholmod)
-                except Singular:
-                    pass  # not positive definite: the pivots below say how far
-            return factorised(Pardiso if self._symmetric and PARDISO.installed else SuperLU)
+            return factorised(SuperLU)
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
 

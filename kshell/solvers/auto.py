@@ -32,7 +32,9 @@ MULTIGRID_FROM = {
     ("morley", "cholmod"): 250_000,
     ("morley", "pardiso"): 60_000,
     ("morley", "superlu"): 30_000,
+    ("morley", "rslab"): 150_000,
     ("argyris", "cholmod"): 250_000,
+    ("argyris", "rslab"): 200_000,
     ("argyris", "pardiso"): 200_000,
     ("argyris", "superlu"): 60_000,
 }

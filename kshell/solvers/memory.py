@@ -13,7 +13,7 @@ import numpy as np
 # unstructured meshes of 2e5 and 1e6 unknowns, whatever the back end.
 FILL = 0.28
 # Peak bytes per entry of the factor while it is made, as seen from outside, measured at 1e5 ... 1e6 unknowns
-BYTES = {"superlu": 28.0, "cholmod": 18.0, "pardiso": 18.0}
+BYTES = {"superlu": 28.0, "cholmod": 18.0, "rslab": 20.0, "pardiso": 18.0}
 SHARE = 0.8  # of the available memory that may be filled
 
 

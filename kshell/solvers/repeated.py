@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.solvers.backends import Singular
+from kshell.solvers.backends import Singular, rslab_factor, rslab_solve
 from kshell.solvers.system import Floats
 
 Ints = NDArray[np.integer]
@@ -126,6 +126,21 @@ class CholmodColumns:
         x = self._dense(np.asfortranarray(rhs))
         self._cholmod.solve(self._symbolic, x)
         return np.array(x).reshape(rhs.shape)
+
+
+class Rslab:
+    """L D L^T by rslab with pivots of one or two unknowns, also of indefinite matrices."""
+
+    def __init__(self, indptr: Ints, indices: Ints) -> None:
+        n = len(indptr) - 1
+        self._lower = sp.csc_matrix((np.ones(len(indices)), indices, indptr), shape=(n, n))
+        self._analysis: Any = None
+
+    def factorise(self, entries: Floats) -> Factor:
+        self._lower.data = np.ascontiguousarray(entries, dtype=np.float64)
+        factor, self._analysis = rslab_factor(self._lower, self._analysis)
+        negative = int(factor.inertia[1])
+        return Factor(lambda rhs: rslab_solve(factor, rhs), lambda: negative, negative == 0)
 
 
 class Pardiso:

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from kshell.solvers.backends import CHOLMOD, PARDISO, SUPERLU, Singular, superlu
-from kshell.solvers.repeated import Cholmod, CholmodColumns, Pardiso
+from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, SUPERLU, Singular, superlu
+from kshell.solvers.repeated import Cholmod, CholmodColumns, Pardiso, Rslab
 from kshell.solvers.system import Floats
 
 # relative residual of a solve up to which the signs of pivots on the diagonal are believed
@@ -66,6 +66,10 @@ def factorise_symmetric(matrix: Any, definite: bool) -> SymmetricFactor:
             pass  # not positive definite: the pivots below say how far
         else:
             return SymmetricFactor(factor.solve, factor.count_negative, CHOLMOD.name)
+    if RSLAB.installed:
+        indptr, indices, data = _lower(matrix)
+        factor = Rslab(indptr, indices).factorise(data)
+        return SymmetricFactor(factor.solve, factor.count_negative, RSLAB.name)
     if PARDISO.installed:
         indptr, indices, data = _lower(matrix)
         factor = Pardiso(indptr, indices).factorise(data)
@@ -79,7 +83,7 @@ def factorise_symmetric(matrix: Any, definite: bool) -> SymmetricFactor:
 
 def counts(unknowns: int) -> bool:
     """Whether a library here counts eigenvalues of so large a matrix in reasonable time."""
-    return PARDISO.installed or CHOLMOD.installed or unknowns <= SUPERLU_UP_TO
+    return RSLAB.installed or PARDISO.installed or CHOLMOD.installed or unknowns <= SUPERLU_UP_TO
 
 
 def _columns(matrix: Any) -> SymmetricFactor | None:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-PACKAGES = ("kshell", "numpy", "scipy", "scikit-fem", "pyamg", "cvxopt", "pypardiso")
+PACKAGES = ("kshell", "numpy", "scipy", "scikit-fem", "pyamg", "cvxopt", "rslab", "pypardiso")
 REPOSITORY = Path(__file__).parents[2]
 
 
