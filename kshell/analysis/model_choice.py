@@ -23,7 +23,7 @@ from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic, Hinge, RigidLink, Support
 from kshell.scene.thermal import couples
-from kshell.shell.chart.lines import large_across_lines
+from kshell.shell.chart.lines import has_curved_edges, large_across_lines
 from kshell.shell.limits import THINNEST, USE_KOITER
 from kshell.solvers.memory import SHARE, available_bytes
 from kshell.values.naming import listing
@@ -379,6 +379,8 @@ def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:
         return "the material remembers its past"
     if structure.imperfection is not None:
         return "the imperfection moves its nodes"
+    if has_curved_edges(structure.parameters):
+        return "edges of the mesh are curved in the plane of the parameters"
     for held in structure.supports:
         if isinstance(held.item, Hinge | RigidLink) or _held_by_koiter_only(held):
             return f"{held.item} needs it"

@@ -9,6 +9,7 @@ import pytest
 import kshell as ks
 from kshell.shell.chart.discretisation import ArgyrisDiscretisation
 from kshell.shell.chart.nodes import Nodes
+from tests.plate.plates import disk
 from tests.plate.test_jumps import halves, levy
 
 PLANE = ks.geometry.Plane()
@@ -309,6 +310,17 @@ def test_a_patch_inside_and_where_lines_branch():
         warnings.simplefilter("ignore")
         found = [ks.solve(given, element=name).strain_energy for name in ("argyris", "koiter")]
     assert found[0] == pytest.approx(found[1], rel=2e-3)
+
+
+def test_curved_edges_in_the_parameters_are_koiter_for_auto():
+    given = scene(
+        disk(2, 2), supports=[ks.Clamped("edge")], loads=[ks.Pressure(1.0)], probes={"c": (0, 0, 0)}
+    )
+    result = ks.solve(given)
+    assert result.model["element"] == "koiter"
+    assert result.probe("c")["u"][2] == pytest.approx(1 / 64, rel=1e-2)
+    with pytest.raises(ks.InputError, match="edges of the parameter mesh are curved"):
+        ks.solve(given, element="argyris")
 
 
 @pytest.mark.full

@@ -17,7 +17,7 @@ from kshell.shell.chart import loads as chart_loads
 from kshell.shell.chart.edges import vertex_sizes
 from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.initial import initial_strain
-from kshell.shell.chart.lines import doubtful
+from kshell.shell.chart.lines import doubtful, has_curved_edges
 from kshell.shell.chart.matrices import chart_foundation
 from kshell.shell.chart.nodes import Flags
 from kshell.shell.chart.recovery import ChartRecovery, principal_curvature
@@ -62,13 +62,11 @@ class ArgyrisDiscretisation(Discretisation):
     def __init__(
         self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None, held: Flags | None = None
     ) -> None:
-        if mesh.midpoints is not None:
-            straight = mesh.points[mesh.edges].mean(axis=1)
-            if np.abs(mesh.midpoints - straight).max() > 1e-9 * mesh.size:
-                raise InputError(
-                    f"{mesh.source}: edges of the parameter mesh are curved (order 2), the Argyris element on a chart "
-                    f"takes straight ones: mesh with order 1, or {USE_KOITER}"
-                )
+        if has_curved_edges(mesh):
+            raise InputError(
+                f"{mesh.source}: edges of the parameter mesh are curved (order 2), the Argyris element on a chart "
+                f"takes straight ones: mesh with order 1, or {USE_KOITER}"
+            )
         self.surface = ChartSurface(mesh, chart, lines, held)
         self.unknowns = self.surface.unknowns
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.scene.lines import shell_lines
 from kshell.scene.structure import Structure
@@ -23,6 +24,14 @@ def large_across_lines(structure: Structure) -> str:
         f"derivatives of the displacement jump across lines inside the shell ({_WHAT}), for example at {place(at)}, "
         "and Argyris functions on a chart follow that for small deflections only"
     )
+
+
+def has_curved_edges(mesh: Mesh) -> bool:
+    """Whether edges of a parameter mesh are curved, which Argyris functions are not made for."""
+    if mesh.midpoints is None:
+        return False
+    straight = mesh.points[mesh.edges].mean(axis=1)
+    return bool(np.abs(mesh.midpoints - straight).max() > 1e-9 * mesh.size)
 
 
 def doubtful(nodes: Nodes, points: NDArray[np.float64]) -> str:
