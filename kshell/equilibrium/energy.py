@@ -245,6 +245,14 @@ class StrainEnergy(ABC):
             self.sparsity.put(room, triangles, self._product(gradient, triangles))
         return self.sparsity.matrix(room)
 
+    def dense_stiffness(self) -> Floats:
+        """The same as a full matrix."""
+        out = np.zeros((self.unknowns, self.unknowns))
+        for triangles, gradient in zip(self.blocks, self.at_rest.gradients, strict=True):
+            where = self.triangle_unknowns[triangles]
+            np.add.at(out, (where[:, :, None], where[:, None]), self._product(gradient, triangles))
+        return out
+
     def free_stiffness(self, pattern: FreePattern) -> tuple[Floats, Floats]:
         """The same in the free unknowns: entries of the pattern, and the diagonal (unknowns,) in all unknowns."""
         data, diagonal = np.zeros(pattern.entries + 1), np.zeros(self.unknowns)

@@ -16,11 +16,13 @@ from kshell.equilibrium.reduced import ReducedPattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
 from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, Singular
-from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU
+from kshell.solvers.nearest import picked
+from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU, dense_factor
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
+DENSE_UP_TO = 400  # unknowns up to which full matrices are quicker than to look for what is not zero
 # free unknowns from which CHOLMOD is quicker in the order of dissection than in one of its own, and takes less memory:
 # of 1e6 two thirds of the time
 DISSECTED_FROM = 60_000
@@ -86,6 +88,18 @@ class Factoriser:
             If the matrix is singular or holds numbers that are not finite.
         """
         energy, basis = self._energy, sp.csc_matrix(self._basis)
+        if basis.shape[1] and energy.unknowns <= DENSE_UP_TO:
+            stiffness = energy.dense_stiffness()
+            if springs is not None:
+                stiffness += springs.toarray()
+            rows = picked(basis)
+            if rows is not None and (basis.data == 1.0).all():
+                factor = dense_factor(stiffness[np.ix_(rows, rows)])
+            else:
+                dense = basis.toarray()
+                factor = dense_factor(dense.T @ stiffness @ dense)
+            if factor is not None:
+                return factor, np.diagonal(stiffness)
         if not (basis.shape[1] and FreePattern.possible(energy.sparsity, basis)):
             stiffness = energy.linear_stiffness()
             if springs is not None:

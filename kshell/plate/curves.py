@@ -32,6 +32,7 @@ GENTLEST_CORNER = np.radians(12.0)
 STRAIGHT = 1e-9
 UNEVEN = 0.02  # relative difference of the lengths of neighbouring edges
 REFITS = 2
+KEPT = 8  # sets of edges of a mesh whose shapes are kept
 ROUNDING = 8.0 * float(np.finfo(float).eps)  # of coordinates: what cannot be told from a straight line
 
 
@@ -92,8 +93,21 @@ def edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
     edges : (n,) int array
         Edges whose shape is wanted. Smoothness is judged within this set: lines are broken where
         more than two of the edges meet, at corners, and where the curvature jumps.
+
+    What was found is kept with the mesh, so its arrays are not to be written to.
     """
-    edges = np.unique(edges).astype(np.int32)
+    edges = np.unique(edges).astype(np.int32) if len(edges) else np.zeros(0, dtype=np.int32)
+    known: dict[bytes, EdgeCurves] = mesh.__dict__.setdefault("_edge_curves", {})
+    key = edges.tobytes()
+    if key not in known:
+        if len(known) >= KEPT:
+            known.clear()
+        known[key] = _edge_curves(mesh, edges)
+    return known[key]
+
+
+def _edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
+    """The same for edges in ascending order."""
     n = len(edges)
     out = EdgeCurves(edges, np.zeros((n, 2, 2)), np.zeros((n, 2, 2)), np.zeros((n, 4, 2)), 0.0, np.zeros(2))
     if n == 0:

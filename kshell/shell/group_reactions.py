@@ -19,7 +19,7 @@ from kshell.equilibrium.reduction import Reduction
 from kshell.result.deferred import Deferred
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.supports import ShellSupports
-from kshell.solvers.nearest import nearest
+from kshell.solvers.nearest import beside, nearest, picked
 
 Floats = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def find_reactions(
 
     by_label = Deferred({label: partial(_entry, groups, label) for label in dict.fromkeys(labels)})
     # what all supports exert together needs no shares
-    held = [_projector(reduction) @ solution.forces] if len(labels) > len(springs) else []
+    held = [_onto(reduction, solution.forces)] if len(labels) > len(springs) else []
     totals = [scaled.T @ forces for forces in [*loads, *held, *(forces for _, forces in springs)]]
     if not totals:
         return by_label, 0.0
@@ -96,7 +96,7 @@ def _shared(supports: ShellSupports, forces: Floats, sizes: Floats) -> list[tupl
     if not held:
         return []
     if len(held) == 1:
-        return [(held[0].label, _projector(held[0].conditions.alone()) @ forces)]
+        return [(held[0].label, _onto(held[0].conditions.alone(), forces))]
     from scipy.sparse.linalg import LinearOperator, lsqr
 
     # unknowns of one size, so that what is held twice is shared alike in any units
@@ -119,6 +119,11 @@ def _onto_held(reduction: Reduction, sizes: Floats) -> tuple[Callable[[Floats], 
 
     I - B (B^T B)^-1 B^T with the basis B of what they leave; almost everywhere it is the identity.
     """
+    rows = picked(reduction.basis)
+    if rows is not None and (reduction.basis.data == 1.0).all():
+        touched = np.ones(len(sizes), dtype=bool)
+        touched[rows] = False
+        return lambda forces: np.where(touched, forces, 0.0), touched
     basis = (sp.diags(1.0 / sizes) @ reduction.basis).tocsr()
     touched = ~_free(reduction.basis.tocsr())
     some = basis[touched]
@@ -133,6 +138,13 @@ def _onto_held(reduction: Reduction, sizes: Floats) -> tuple[Callable[[Floats], 
         return out
 
     return project, touched
+
+
+def _onto(reduction: Reduction, forces: Floats) -> Floats:
+    """What of forces the conditions take, see `_projector`."""
+    if picked(reduction.basis) is not None and (np.abs(reduction.basis.data) == 1.0).all():
+        return beside(reduction.basis)(forces)
+    return np.asarray(_projector(reduction) @ forces)
 
 
 def _projector(reduction: Reduction) -> sp.csr_matrix:

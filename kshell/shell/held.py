@@ -19,7 +19,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.unjoined import vertex_parts
 from kshell.mesh.words import place
 from kshell.shell.discretisation import Discretisation
-from kshell.solvers.nearest import nearest
+from kshell.solvers.nearest import beside, picked
 
 Floats = NDArray[np.float64]
 
@@ -72,8 +72,8 @@ def require_held(
     part_of_unknown = part[discretisation.vertex_of_unknown()]
     # translations, turns and derivatives are compared as displacements: what counts as none has no unit
     unit = 1.0 / discretisation.unknown_sizes()
-    basis = (sp.diags(unit) @ reduction.basis).tocsc()
-    best = nearest(basis)
+    scaling = picked(reduction.basis) is None
+    rest = beside((sp.diags(unit) @ reduction.basis).tocsc() if scaling else reduction.basis)
     hanging = []
     for number in range(count):
         x = mesh.points[part == number]
@@ -82,7 +82,7 @@ def require_held(
         motion = discretisation.rigid_motions(centre, size)
         motion[part_of_unknown != number] = 0.0
         scaled = unit[:, None] * motion
-        resisted = scaled - basis @ best(scaled)
+        resisted = rest(scaled)
         gram = resisted.T @ resisted / float((scaled**2).sum(axis=0).max())
         if springs is not None:
             stiff = motion.T @ (springs @ motion)

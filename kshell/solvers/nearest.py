@@ -41,3 +41,25 @@ def nearest(basis: sp.spmatrix) -> Callable[[Floats], Floats]:
 
     factor: Any = splu(gram)
     return lambda given: np.asarray(factor.solve(basis.T @ given))
+
+
+def beside(basis: sp.csc_matrix) -> Callable[[Floats], Floats]:
+    """The function that takes off vectors (n,) or (n, k) what a basis can give: v - T q with q as in `nearest`."""
+    if (
+        picked(basis) is not None
+    ):  # of columns with one entry each, and so the same rows whatever their lengths
+
+        def cleared(given: Floats) -> Floats:
+            out = given.copy()
+            out[basis.indices] = 0.0
+            return out
+
+        return cleared
+    best = nearest(basis)
+    return lambda given: given - basis @ best(given)
+
+
+def picked(basis: sp.csc_matrix) -> NDArray[np.integer] | None:
+    """Rows of the entries where each column has one; None where some have none or more."""
+    single = basis.format == "csc" and basis.nnz == basis.shape[1] and (np.diff(basis.indptr) == 1).all()
+    return basis.indices if single else None

@@ -51,6 +51,16 @@ def _none() -> int:
     return 0
 
 
+def dense_factor(matrix: Floats) -> Factor | None:
+    """Cholesky factor of a full matrix; None where it is not positive definite."""
+    from scipy.linalg.lapack import dpotrf, dpotrs
+
+    factor, info = dpotrf(matrix, lower=1)
+    if info != 0 or not np.isfinite(factor).all():
+        return None
+    return Factor(lambda rhs: np.asarray(dpotrs(factor, rhs, lower=1)[0]).reshape(rhs.shape), _none, True)
+
+
 class Cholmod:
     """Cholesky factors by CHOLMOD; `Singular` where the matrix is not positive definite.
 
