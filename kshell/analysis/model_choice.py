@@ -382,7 +382,7 @@ def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:
     if has_curved_edges(structure.parameters):
         return "edges of the mesh are curved in the plane of the parameters"
     for held in structure.supports:
-        if isinstance(held.item, Hinge | RigidLink) or _held_by_koiter_only(held):
+        if isinstance(held.item, RigidLink) or _held_by_koiter_only(held):
             return f"{held.item} needs it"
         if held.item.rotation is not None:
             return f"{held.item} prescribes a rotation"

@@ -1,5 +1,6 @@
 """Derivatives of the displacement that jump across lines inside a chart."""
 
+import dataclasses
 import warnings
 from itertools import pairwise
 
@@ -248,6 +249,27 @@ def test_a_step_along_a_circle():
     assert result.probe("tip")["u"][2] == pytest.approx(tip, rel=3e-7)
     for side in "AB":
         assert result.probe(side)["M"][0] == pytest.approx(moment, rel=1e-3)
+
+
+@pytest.mark.parametrize("large", [False, True], ids=["small", "large"])
+def test_hinges_transmit_no_moment(large):
+    supports = [ks.Clamped("left"), ks.SimplySupported("right"), ks.Hinge("middle")]
+    given = scene(
+        halves(8),
+        thickness=0.05,
+        supports=supports,
+        loads=[ks.Traction((0, 0, 0.3))],
+        probes={"a": (0.5, 0.5, 0), "b": (0.3, 0.4, 0)},
+        solve={"large_deflection": large, "error": "off"},
+    )
+    quintic, cubic = ks.solve(given), ks.solve(given, element="koiter")
+    assert quintic.model["element"] == "argyris"
+    assert quintic.model["large_deflection"] is large
+    for name in "ab":
+        assert quintic.probe(name)["u"] == pytest.approx(cubic.probe(name)["u"], rel=3e-3, abs=1e-5)
+    assert abs(quintic.probe("a")["M"][0]) < 1e-3 * abs(quintic.probe("b")["M"][0])
+    with pytest.raises(ks.InputError, match="can move freely"):
+        ks.solve(dataclasses.replace(given, supports=[supports[0], supports[2]]), large_deflection=False)
 
 
 def with_wall(n, points):

@@ -44,8 +44,8 @@ class ArgyrisDiscretisation(Discretisation):
     mesh : Mesh
         In the parameter plane.
     chart : Chart
-    lines, held : (edge,) flags, optional
-        Edges inside across which strains may jump, and those that supports hold.
+    lines, held, hinged : (edge,) flags, optional
+        Edges inside across which strains may jump, those that supports hold, and hinges.
 
     Attributes
     ----------
@@ -60,14 +60,19 @@ class ArgyrisDiscretisation(Discretisation):
     loads = chart_loads
 
     def __init__(
-        self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None, held: Flags | None = None
+        self,
+        mesh: Mesh,
+        chart: ChartLike,
+        lines: Flags | None = None,
+        held: Flags | None = None,
+        hinged: Flags | None = None,
     ) -> None:
         if has_curved_edges(mesh):
             raise InputError(
                 f"{mesh.source}: edges of the parameter mesh are curved (order 2), the Argyris element on a chart "
                 f"takes straight ones: mesh with order 1, or {USE_KOITER}"
             )
-        self.surface = ChartSurface(mesh, chart, lines, held)
+        self.surface = ChartSurface(mesh, chart, lines, held, hinged)
         self.unknowns = self.surface.unknowns
 
     def energy(self, section: Section, inelastic: Inelastic | None = None) -> ChartKoiter:

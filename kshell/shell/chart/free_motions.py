@@ -152,8 +152,9 @@ def _tie_rows(surface: ChartSurface) -> tuple[Ints, Floats]:
     functions = [np.einsum("nk,nx->nkx", c, e) for c in coefficients_along(t) for e in every]
     pairs = [ties.fans] * len(functions)
     n, n_t, m, m_t, _ = across(surface.chart, surface.mesh.points[ties.vertex, :2], t)
-    functions += coefficients_across(t, m, m_t, n, n_t)
-    pairs += [ties.fans] * 2
+    turned = ~ties.hinge
+    functions += [f[turned] for f in coefficients_across(t, m, m_t, n, n_t)]
+    pairs += [ties.fans[turned]] * 2
     smooth = ~ties.line
     if smooth.any():
         for e in every:
@@ -194,7 +195,8 @@ def _midpoints(
     given = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *scalar]))
     # of the sides of lines the second follows the first, or the one without conditions the other
     held = [np.isin(nodes.side_scalars(nodes.second, side), given) for side in range(2)]
-    follow = nodes.second[~(held[0] & held[1]) & (tied | held[0] | held[1])]
+    loose = nodes.hinged[nodes.second] | (held[0] & held[1])
+    follow = nodes.second[~loose & (tied | held[0] | held[1])]
     follower = np.where(np.isin(follow, nodes.second[held[1]]), 0, 1)
     scalars = np.concatenate([given, nodes.side_scalars(follow, follower)])
     edges = np.where(scalars < nodes.first_fan, scalars - 6 * len(mesh.points), -1)

@@ -11,7 +11,7 @@ from kshell.scene.lines import shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.chart.nodes import Nodes
 
-_WHAT = "steps of the section, lines held or loaded, borders of free strains"
+_WHAT = "steps of the section, hinges, lines held or loaded, borders of free strains"
 
 
 def large_across_lines(structure: Structure) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from kshell.errors import InputError
+import numpy as np
+
 from kshell.scene.lines import held_lines, shell_lines
 from kshell.scene.structure import Structure
 from kshell.shell.chart.discretisation import ArgyrisDiscretisation
 from kshell.shell.chart.lines import large_across_lines
-from kshell.shell.limits import USE_KOITER
 from kshell.shell.model import ShellModel
 from kshell.shell.problem import ShellProblem
 from kshell.shell.supports import hinge_edges
@@ -32,12 +32,10 @@ class ChartModel(ShellModel):
     """
 
     def __init__(self, structure: Structure, reasons: Sequence[str] = ()) -> None:
-        if len(hinge_edges(structure.supports, structure.space)):
-            raise InputError(
-                f"support hinge: Argyris functions on a chart are smooth, so there are no hinges: {USE_KOITER}"
-            )
+        hinged = np.zeros(len(structure.space.edges), dtype=bool)
+        hinged[hinge_edges(structure.supports, structure.space)] = True
         discretisation = ArgyrisDiscretisation(
-            structure.parameters, structure.chart, shell_lines(structure), held_lines(structure)
+            structure.parameters, structure.chart, shell_lines(structure), held_lines(structure), hinged
         )
         super().__init__(ShellProblem(structure, discretisation), reasons)
         self.small_only = large_across_lines(structure)

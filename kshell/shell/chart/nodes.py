@@ -8,8 +8,8 @@ the vertex, and each side of an edge of a line a slope of its own at the middle.
     u,  u,T,  u,TT,   n . u,m,  (n . u,m),T        at its ends,    n . u,m    in the middle
 
 which makes u exactly continuous, and the rotation exactly along straight lines and generators, and on others at five
-conditions an edge. Where a line ends, turns or branches strains are not bounded; to follow them better all edges at
-such a vertex separate fans, tied by all first derivatives across the edges that are no line.
+conditions an edge; on a hinge u alone is tied. Where a line ends, turns or branches strains are not bounded; to follow
+them better all edges at such a vertex separate fans, tied by all first derivatives across the edges that are no line.
 
 Nodes are numbered: vertices with their first fans, edges with their first sides, further fans, second sides.
 
@@ -49,12 +49,15 @@ class Ties:
         Unit direction T in the parameter plane, of a curved line the mean of its two edges.
     line : (n,)
         Whether strains may jump; if not, all first derivatives are continuous.
+    hinge : (n,)
+        Whether both sides turn freely.
     """
 
     fans: Ints
     vertex: Ints
     tangent: Floats
     line: Flags
+    hinge: Flags
 
 
 class Nodes:
@@ -68,12 +71,15 @@ class Nodes:
         Edges inside across which strains may jump.
     held : (edge,) flags, optional
         Those of them that supports hold, whose ends count as such where the line goes on, too.
+    hinged : (edge,) flags, optional
+        Edges inside about which both sides turn freely.
 
     Attributes
     ----------
     corner : (triangle, 3) fan of each corner
     vertex : (fan,) vertex of each fan
-    lines : (edge,) flags
+    lines, hinged : (edge,) flags
+        Edges with two sides, and those of them that are hinges.
     second : (line edge,) the edges with two sides
     ends : (n,) vertices inside where a line ends, turns or branches
     curved : (n,) vertices inside where a line is curved in the parameter plane
@@ -81,16 +87,25 @@ class Nodes:
         Number of scalar degrees of freedom: 6 a fan, 1 a side.
     """
 
-    def __init__(self, mesh: Mesh, lines: Flags | None = None, held: Flags | None = None) -> None:
+    def __init__(
+        self,
+        mesh: Mesh,
+        lines: Flags | None = None,
+        held: Flags | None = None,
+        hinged: Flags | None = None,
+    ) -> None:
         self.mesh = mesh
         inside = mesh.edge_counts > 1
-        self.lines: Flags = np.zeros(len(mesh.edges), dtype=bool) if lines is None else lines & inside
+        none = np.zeros(len(mesh.edges), dtype=bool)
+        self.hinged: Flags = none if hinged is None else hinged & inside
+        self.lines: Flags = self.hinged | (none if lines is None else lines & inside)
         self.second: Ints = np.flatnonzero(self.lines)
         self._onward, self.ends, self.curved = self._along(self.second)
-        if held is not None:
-            of_held = self._along(np.flatnonzero(held & inside))[1]
-            self.ends = np.union1d(self.ends, of_held)
-            self.curved = np.setdiff1d(self.curved, of_held)
+        for some in (held, hinged):
+            if some is not None:
+                own = self._along(np.flatnonzero(some & inside))[1]
+                self.ends = np.union1d(self.ends, own)
+                self.curved = np.setdiff1d(self.curved, own)
         at_end = np.zeros(len(mesh.points), dtype=bool)
         at_end[self.ends] = True
         self._cut = (self.lines[:, None] | at_end[mesh.edges]) & inside[:, None]  # (edge, end)
@@ -177,7 +192,7 @@ class Nodes:
         away = _directions(mesh, edges)
         at_end = np.zeros(len(mesh.points), dtype=bool)
         at_end[self.ends] = True
-        fans, vertex, tangent, line = [], [], [], []
+        fans, vertex, tangent, line, hinge = [], [], [], [], []
         pairs = np.stack([self.fans_at(edges, side) for side in range(2)], axis=2)  # (edge, end, side)
         for end in range(2):
             v = mesh.edges[edges, end].astype(np.int64)
@@ -191,7 +206,8 @@ class Nodes:
             vertex.append(v[chosen])
             tangent.append(t[chosen])
             line.append(self.lines[edges[chosen]])
-        return Ties(*(np.concatenate(part) for part in (fans, vertex, tangent, line)))
+            hinge.append(self.hinged[edges[chosen]])
+        return Ties(*(np.concatenate(part) for part in (fans, vertex, tangent, line, hinge)))
 
     def _along(self, edges: Ints) -> tuple[dict[tuple[int, int], Floats], Ints, Ints]:
         """Tangents of lines at (edge, vertex) inside, vertices where lines end, and those where they are curved."""

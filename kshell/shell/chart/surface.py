@@ -49,8 +49,8 @@ class ChartSurface:
     mesh : Mesh
         Its x and y are the parameters u and v; straight triangles.
     chart : Chart
-    lines, held : (edge,) flags, optional
-        Edges inside across which strains may jump, and those that supports hold.
+    lines, held, hinged : (edge,) flags, optional
+        Edges inside across which strains may jump, those that supports hold, and hinges.
 
     Attributes
     ----------
@@ -67,7 +67,12 @@ class ChartSurface:
     """
 
     def __init__(
-        self, mesh: Mesh, chart: ChartLike, lines: Flags | None = None, held: Flags | None = None
+        self,
+        mesh: Mesh,
+        chart: ChartLike,
+        lines: Flags | None = None,
+        held: Flags | None = None,
+        hinged: Flags | None = None,
     ) -> None:
         self.mesh = mesh
         self.chart = chart
@@ -76,7 +81,7 @@ class ChartSurface:
         basis = ElementArgyris.basis
         self.tables = jets_of_basis(self.points)
         self.transformation = ElementArgyris().transformation(self.affine)  # (triangle, 21, 21) M
-        self.nodes = Nodes(mesh, lines, held)
+        self.nodes = Nodes(mesh, lines, held, hinged)
         self.scalar: Ints = self.nodes.triangle_scalars.astype(np.int32)
         self.scalars = self.nodes.scalars
         self.unknowns = 3 * self.scalars
