@@ -67,7 +67,7 @@ def analyse(model: Model, run: Run) -> Result:
         model.element == "argyris" and model.kind == "shell"
     ):
         raise InputError(
-            f"tolerance with the element {model.element}: it has no estimate; leave element out, or take "
+            f"tolerance with the element {model.element}: meshes are not refined with it; leave element out, or take "
             + ('"argyris"' if model.kind == "plate" else '"koiter"')
         )
     run = run.with_options(

@@ -47,13 +47,14 @@ def assess(
         from kshell.error.plates import assess_residual
 
         return assess_residual(of, rest.x, result, duals, wanted)
-    return Assessment(
-        why_not=_WITHOUT.get((model.kind, model.element), "no estimate is known for this model")
-    )
+    if model.kind == "plate":
+        from kshell.error.plate_averages import assess_averages
 
+        return assess_averages(of, rest, result, duals, wanted)
+    if isinstance(answer, State):
+        return Assessment(
+            why_not='no estimate of large deflections of Argyris shells: element = "koiter" has one'
+        )
+    from kshell.error.two_elements import assess_difference
 
-_WITHOUT = {
-    ("shell", "argyris"): 'no estimate for Argyris shells on charts: element = "koiter" has one',
-    ("plate", "morley"): 'no estimate for Morley plates: element = "argyris" has one',
-    ("plate", "hhj"): 'no estimate for HHJ plates: element = "argyris" has one, and bounds with a tolerance',
-}
+    return assess_difference(of, rest, result, wanted)

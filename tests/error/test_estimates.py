@@ -174,10 +174,64 @@ def test_the_first_three_probes_at_most() -> None:
     assert list(ks.solve(scene).error["probes"]) == ["a", "b", "c"]
 
 
-def test_models_without_an_estimate_say_so() -> None:
-    result = ks.solve(square(4, ks.Clamped("edge")), element="morley")
-    assert result.error["kind"] == "none"
-    assert "argyris" in result.error["why_not"]
+@pytest.mark.parametrize("name", PLATES)
+@pytest.mark.parametrize(
+    ("element", "order", "n"), [("morley", None, 16), ("hhj", 1, 16), ("hhj", 2, 8), ("hhj", 4, 4)]
+)
+def test_averages_of_moments_cover_the_error(name: str, element: str, order: int | None, n: int) -> None:
+    """Of Morley plates sharply; both intervals fall as the mesh is refined."""
+    support, centre, energy = PLATES[name]
+    widths = []
+    for cells in (n // 2, n):
+        scene = dataclasses.replace(square(cells, support), probes={"a": (0.5, 0.5, 0)})
+        result = ks.solve(scene, element=element, **({} if order is None else {"order": order}))
+        off, width = abs(result.probes["a"]["u"][2] - centre), half(result, "a", 2)
+        assert off <= width
+        found = result.error["energy"]
+        assert found["lower"] <= energy <= found["upper"]
+        assert found["kind"] == result.error["kind"] == "estimated"
+        assert result.error["budget"]["geometry"] == 0.0
+        widths.append(width)
+        if element == "morley":
+            assert width < 5.0 * off
+    assert widths[1] < 0.4 * widths[0]
+
+
+def test_morley_duals_at_places_inside_triangles_and_jumps_of_stiffness() -> None:
+    """A strip in two thicknesses, bent by couples: moments are constant, so that nothing is off but by rounding."""
+    mesh = rectangle(6, 2, a=2.0)
+    right = mesh.points[mesh.triangles].mean(axis=1)[:, 0] > 1.0
+    groups = {
+        "left": mesh.edges[mesh.groups["left"].members],
+        "right": mesh.edges[mesh.groups["right"].members],
+    }
+    groups |= {"thin": mesh.triangles[~right], "thick": mesh.triangles[right]}
+    scene = ks.Scene(
+        ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups),
+        thickness={"thin": 0.1, "thick": 0.2},
+        material=ks.Isotropic(E=1.0, nu=0.0),
+        supports=[ks.Clamped("left")],
+        loads=[ks.EdgeMoment("right", 1e-4)],
+        probes={"a": (1.71, 0.31, 0.0)},
+    )
+    for element in ("morley", "hhj"):
+        result = ks.solve(scene, model="plate", element=element, large_deflection=False)
+        u = result.probes["a"]["u"][2]
+        assert abs(u) > 0.0
+        assert half(result, "a", 2) < 1e-5 * abs(u)
+
+
+def test_shells_on_charts_against_koiter_elements() -> None:
+    """-0.300592457 as above: what both elements differ by is more than the error."""
+    result = ks.solve(roof(4, 3), element="argyris", order="auto")
+    assert result.model["element"] == "argyris"
+    off = np.abs(result.probes["edge"]["u"][2] + 0.300592457)
+    assert off <= half(result, "edge", 2) < 0.01
+    assert "difference" in result.error["why_not"]
+    assert result.error["kind"] == "estimated"
+    large = ks.solve(roof(2, 3), element="argyris", order="auto", large_deflection=True)
+    assert large.error["kind"] == "none"
+    assert "koiter" in large.error["why_not"]
 
 
 def test_turns_of_triangles() -> None:
