@@ -64,7 +64,7 @@ def random_scene(seed: int) -> tuple[str, ks.Scene]:
         ks.Pressure(sign),
         ks.Pressure(sign, follower=True),
         ks.Traction((0.3 * sign, 0.2, sign)),
-        ks.PointForce((0.5 * length, 0.5, float(points[:, 2].mean())), (0.0, 0.1, sign)),
+        ks.PointForce(_nearest(points, (0.5 * length, 0.5, float(points[:, 2].mean()))), (0.0, 0.1, sign)),
     ]
     scene = ks.Scene(
         mesh=mesh, thickness=thickness, material=ks.Isotropic(1e6, 0.3), supports=supports,
@@ -81,6 +81,11 @@ def random_scene(seed: int) -> tuple[str, ks.Scene]:
     options = {"analysis": "path" if draw.integers(2) else "static", "large_deflection": True}
     options |= {"order": order, "steps": int(draw.integers(1, 12))}
     return shape, replace(scene, loads=[load], solve=options)
+
+
+def _nearest(points: Any, place: tuple[float, float, float]) -> tuple[float, ...]:
+    """The vertex nearest to a place, which may lie off the surface."""
+    return tuple(points[np.argmin(np.linalg.norm(points - place, axis=1))].tolist())
 
 
 def _follows(scene: ks.Scene) -> bool:
