@@ -89,7 +89,7 @@ def film_figure(result: Result) -> Figure:
         )
         for setter, m, s in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), middle, extent, strict=True):
             setter(m - 0.5 * s, m + 0.5 * s)
-        axes.set_box_aspect(extent, zoom=0.8)
+        axes.set_box_aspect(extent.copy(), zoom=0.8)  # which it scales in place
         axes.view_init(**VIEW)
         axes.set_axis_off()
         axes.set_title(f"t = {result.series[number][0]:.4g}", fontsize=10)

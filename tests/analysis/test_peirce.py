@@ -24,7 +24,9 @@ def heavy_elastica(length):
     return found.y[2, -1] / length, abs(found.y[3, -1]) / length
 
 
-@pytest.mark.parametrize(("ratio", "angle"), [(1.0, 7.10), (2.0, 41.49), (3.0, 66.96), (5.0, 81.58), (8.0, 86.18)])
+@pytest.mark.parametrize(
+    ("ratio", "angle"), [(1.0, 7.10), (2.0, 41.49), (3.0, 66.96), (5.0, 81.58), (8.0, 86.18)]
+)
 def test_overhang(ratio, angle):
     length, width, thickness, young = 1.0, 0.1, 1e-3, 1e9
     weight = young * thickness**3 / 12 * ratio**3 / length**3  # per area

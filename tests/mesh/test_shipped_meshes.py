@@ -38,6 +38,11 @@ SURFACES = {
     "twisted_beam": (1, 1.1 * np.pi / 2),
     "tube": (1, np.pi / 2),
     "sphere_edge": (1, np.pi / 2 * np.pi / 3),
+    "can": (2, np.pi * 0.033 * 0.06),
+    "roof": (2, 254 * 254),
+    "strip": (1, 0.4 * 0.05),
+    "kirigami": (1, 0.03),
+    "table": (1, 0.65 * (0.65 + 4 * 0.8)),
 }
 
 
