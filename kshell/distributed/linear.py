@@ -38,20 +38,9 @@ class PetscLinearSolver(LinearSolver):
         stiffness = elastic.linear_stiffness()
         stiffness = stiffness if springs is None else stiffness + springs
         self._factoriser = PetscFactoriser(elastic.team, reduction, elastic.owner)
-        self._stiffness = Diagonal(stiffness.diagonal())  # all that is needed of it from here on
+        self._diagonal = stiffness.diagonal()
         self._solve = self._factoriser.factorise(stiffness, last=True).solve
         self._require_held()
-
-
-class Diagonal:
-    """The diagonal of a matrix that is let go."""
-
-    def __init__(self, values: Floats) -> None:
-        self._values = values
-
-    def diagonal(self) -> Floats:
-        """(unknowns,)."""
-        return self._values
 
 
 class ScatteredAdded(Added):

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 
 Floats = NDArray[np.float64]
@@ -19,13 +20,18 @@ Ints = NDArray[np.integer]
 
 
 def partition(mesh: Mesh, parts: int) -> Ints:
-    """(triangle,) number of the part of each triangle, from 0.
+    """(triangle,) number of the part of each triangle, from 0; no part is empty.
 
-    Where there are fewer triangles than parts the last parts are empty.
+    Raises
+    ------
+    InputError
+        If there are fewer triangles than parts.
     """
     count = len(mesh.triangles)
-    if parts == 1 or count <= parts:
-        return np.arange(count) % parts
+    if count < parts:
+        raise InputError(f"{parts} processes for {count} triangles: start at most {count} processes, or one")
+    if parts == 1:
+        return np.zeros(count, dtype=np.int64)
     if importlib.util.find_spec("pymetis") is not None:
         found = _by_metis(mesh, parts)
         if len(np.unique(found)) == parts:  # METIS may leave some empty where they are tiny

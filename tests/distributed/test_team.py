@@ -2,19 +2,27 @@
 
 import threading
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.sparse.linalg import splu
 
 import kshell as ks
+from kshell.analysis.clock import Clock
+from kshell.analysis.model_choice import choose_model
+from kshell.analysis.models import as_analysed, model_of_team
+from kshell.analysis.run import Run
 from kshell.distributed.koiter import PartedDiscretisation, part_of, section_of
 from kshell.distributed.matrix import Numbering, Reduced, Scattered
 from kshell.distributed.partition import halved, partition
 from kshell.distributed.team import Team
 from kshell.equilibrium.reduction import Reduction
+from kshell.scene.structure import resolve
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.section import Section
+from kshell.solvers.repeated import Factor
 
 
 class Threads:
@@ -50,7 +58,7 @@ def played(size: int, work: Callable[[Team], Any]) -> list[Any]:
         except BaseException as error:
             found[rank] = error
 
-    threads = [threading.Thread(target=one, args=(rank,)) for rank in range(size)]
+    threads = [threading.Thread(target=one, args=(rank,), daemon=True) for rank in range(size)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -136,10 +144,10 @@ def test_parts_are_of_equal_size(parts: int) -> None:
         assert sizes.min() >= 0.6 * sizes.mean()
 
 
-def test_more_parts_than_triangles_leave_some_empty() -> None:
-    mesh = roof()
-    found = partition(mesh, 50)
-    assert len(np.unique(found)) == len(mesh.triangles) == 40
+def test_more_parts_than_triangles_are_refused() -> None:
+    assert len(np.unique(partition(roof(), 40))) == 40
+    with pytest.raises(ks.InputError, match="50 processes for 40 triangles"):
+        partition(roof(), 50)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -250,3 +258,56 @@ def test_what_remembers_its_past_is_refused() -> None:
     for error in played(2, work):
         assert isinstance(error, ks.InputError)
         assert "relax" in str(error)
+
+
+class Gathered:
+    """What `PetscFactoriser` does, by scipy: every process puts the whole matrix together."""
+
+    def __init__(self, team: Team, reduction: Reduction, owner: np.ndarray, symmetric: bool = True) -> None:
+        self.team, self.reduction = team, reduction
+
+    def factorise(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
+        whole = self.reduction.reduce(sum(self.team.communicator.allgather(matrix.local)).tocsr())
+        lu = splu(whole.tocsc())
+        return Factor(lu.solve, lambda: int(np.sum(np.linalg.eigvalsh(whole.toarray()) < 0)), False)
+
+    factors = factorise
+
+
+def scene() -> ks.Scene:
+    return ks.Scene(
+        mesh=roof(),
+        thickness=0.01,
+        material=ks.Isotropic(E=1e4, nu=0.3, density=1.0),
+        supports=[ks.Clamped("a"), ks.Elastic("c", 2.0, "xyz")],
+        loads=[ks.Pressure(1e-3), ks.LineForce("b", (0, 0, 1e-3))],
+        probes={"p": (0.5, 0.9, 0.4)},
+    )
+
+
+@pytest.mark.parametrize("analysis", ["static", "modes"])
+def test_a_whole_analysis_finds_what_one_process_does(analysis: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("kshell.distributed.factor.PetscFactoriser", Gathered)
+    monkeypatch.setattr("kshell.distributed.linear.PetscFactoriser", Gathered)
+    one = scene()
+    options = one.solve.updated(analysis=analysis, count=3 if analysis == "modes" else None)
+    alone = ks.solve(one, analysis=analysis, **({"count": 3} if analysis == "modes" else {}))
+
+    def work(team: Team) -> ks.Result:
+        structure = as_analysed(resolve(one, one.read_mesh()), choice, options)
+        run = Run(one, structure, options, Clock(None))
+        analyse = import_module(f"kshell.analysis.{analysis}").analyse
+        result: ks.Result = analyse(model_of_team(team, structure, choice), run)
+        return result
+
+    choice = choose_model(resolve(one, one.read_mesh()), options)
+    for found in played(2, work):
+        assert isinstance(found, ks.Result), found
+        if analysis == "static":
+            np.testing.assert_allclose(found.probes["p"]["u"], alone.probes["p"]["u"], rtol=1e-8, atol=1e-18)
+            assert found.model["large_deflection"] == alone.model["large_deflection"]
+            assert found.error["estimate"] == pytest.approx(alone.error["estimate"], rel=1e-4)
+        else:
+            values = [entry["value"] for entry in alone.eigen]
+            assert [entry["value"] for entry in found.eigen] == pytest.approx(values, rel=1e-8)
+            assert [entry["kind"] for entry in found.eigen] == [entry["kind"] for entry in alone.eigen]

@@ -21,8 +21,11 @@ import kshell as ks
 from kshell.analysis.model_choice import choose_model
 from kshell.analysis.models import model_of_team
 from kshell.distributed.team import Team, world
+from kshell.plate.model import PlateModel
 from kshell.scene.structure import resolve
+from kshell.solvers import prepare
 from kshell.solvers.memory import peak_bytes
+from kshell.solvers.multigrid.pcg import conjugate_gradients
 
 
 class Counting(Team):
@@ -96,6 +99,7 @@ def main(cells: int, order: int, element: str) -> None:
         "calls": team.calls,
         "bytes per unknown": team.bytes / model.unknowns,
         **factors(model),
+        **(iterations(model, structure, element) if element else {}),
     }
     if team.rank == 0:
         print(json.dumps(found), flush=True)
@@ -119,6 +123,18 @@ def factors(model: Any) -> dict[str, float]:
     entries = factor.getMumpsInfog(9)
     entries = entries if entries > 0 else -1e6 * entries
     return {"entries of factors per unknown": entries / unknowns, "flops": factor.getMumpsRinfog(3)}
+
+
+def iterations(model: Any, structure: Any, element: str) -> dict[str, int]:
+    """Conjugate gradients to 1e-8 from zero: by PETSc's PCMG, and by the cycles of kshell on one process."""
+    system = model.problem.system
+    rhs = system.load + system.fixed_load
+    divided = model._prepare("multigrid")
+    run = conjugate_gradients(divided.matrix, rhs, divided.precondition, 1e-8)
+    alone = PlateModel(structure, element).problem
+    own = prepare(alone.assembled.matrix, alone.space, "multigrid")
+    serial = conjugate_gradients(own.matrix, rhs, own.precondition, 1e-8)
+    return {"iterations of PCMG": len(run.history) - 1, "of kshell": len(serial.history) - 1}
 
 
 def _every(team: Team, values: list[float]) -> list[list[float]]:
