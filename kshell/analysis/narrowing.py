@@ -20,7 +20,7 @@ from kshell.analysis.refined_mesh import Refiner
 from kshell.analysis.run import Run
 from kshell.equilibrium.model import Model
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.refine import longest_first
+from kshell.mesh.refine import cuttable, longest_first
 from kshell.solvers.pencil import Spectrum
 
 Floats = NDArray[np.float64]
@@ -31,6 +31,9 @@ FINEST, MOST_UNKNOWNS = 20_000, 200_000
 # share of the width of the intervals whose triangles are cut, and share of triangles from which all are
 BULK = 0.9
 EVERYWHERE = 0.5
+# share of the width around one vertex from which its triangles are halved up to so many times more; in meshes of more
+# than a few triangles
+CORNER, DEEPER, FEW = 0.2, 4, 100
 # stages that an estimate looks back on
 LOOKED_BACK = 3
 # levels that must narrow the intervals to this share, or nothing is gained any more
@@ -106,7 +109,7 @@ def narrowed(
         if widths[-1] <= tolerance:
             break
         why = _why_stop(first.run, widths, time.perf_counter() - begin)
-        mesh = None if why else _next_mesh(stage, known, refiner)
+        mesh = None if why else _next_mesh(stage, known, refiner, widths[-1] / tolerance)
         if mesh is not None and _too_many(stage, mesh):
             why = "the mesh is not refined further"
         if why or mesh is None:
@@ -179,7 +182,7 @@ def _estimate(known: Known, stages: list[Stage]) -> None:
     ]
 
 
-def _next_mesh(stage: Stage, known: Known, refiner: Refiner) -> Mesh:
+def _next_mesh(stage: Stage, known: Known, refiner: Refiner, excess: float) -> Mesh:
     """Cut where most of the width comes from; everywhere, where it comes from everywhere or that is not known."""
     mesh, misfit = stage.run.structure.parameters, known.misfit
     count = len(mesh.triangles)
@@ -188,4 +191,22 @@ def _next_mesh(stage: Stage, known: Known, refiner: Refiner) -> Mesh:
     order = np.argsort(-misfit, kind="stable")
     most = int(np.searchsorted(np.cumsum(misfit[order]), BULK * misfit.sum())) + 1
     marked: Ints = np.arange(count) if most > EVERYWHERE * count else order[:most]
-    return refiner.refined(mesh, marked).mesh
+    corners = _corners(mesh, misfit)
+    mesh = refiner.refined(mesh, marked).mesh
+    # moments like r^-s at a corner with s near 1 gain little by every halving; far from the tolerance take several
+    deeper = int(min(DEEPER, np.ceil(np.log2(excess) / 2))) if len(corners) else 0
+    for _ in range(deeper):
+        around = np.isin(mesh.triangles, corners).any(axis=1) & cuttable(mesh)
+        if not around.any():
+            break
+        mesh = refiner.refined(mesh, np.flatnonzero(around)).mesh
+    return mesh
+
+
+def _corners(mesh: Mesh, misfit: Floats) -> Ints:
+    """Vertices around which most of the width comes from: corners where moments grow without bound."""
+    flat = mesh.triangles.astype(np.int64).ravel()
+    around = np.bincount(flat, np.repeat(misfit, 3), len(mesh.points))
+    return (
+        np.flatnonzero(around > CORNER * misfit.sum()) if len(misfit) > FEW else np.zeros(0, dtype=np.int64)
+    )

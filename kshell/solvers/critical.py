@@ -20,9 +20,9 @@ from kshell.solvers.eigen import (
     ATTEMPTS,
     BEYOND,
     CONVERGED,
-    NOT_COUNTED,
     SPACE,
     WHOLE,
+    uncounted,
 )
 from kshell.solvers.eigenbasis import canonical, gap_behind
 from kshell.solvers.pencil import Spectrum
@@ -91,7 +91,7 @@ def factors(pencil: CriticalPencil, count: int) -> Spectrum:
         if missing is None or missing <= 0:
             found.checked = missing == 0
             if missing is None:
-                found.notes.append(NOT_COUNTED)
+                found.notes.append(uncounted(k.shape[0]))
             elif missing < 0:
                 found.notes.append(
                     f"{behind} factors were found up to the last one, a count says {behind + missing}: "

@@ -38,9 +38,10 @@ ATTEMPTS = 3
 SPACE = 2.5
 # relative residual of theta; values are as good as its square, and are sharpened afterwards
 CONVERGED = 1e-11
-NOT_COUNTED = (
-    "that none was missed is not checked: no library here counts eigenvalues of so large a matrix in reasonable time "
-    "(cvxopt does)"
+NOT_COUNTED = "that none was missed is not checked: "
+NO_LIBRARY = "no library here counts eigenvalues of so large a matrix in reasonable time (cvxopt does)"
+ROUNDED_AWAY = (
+    "the matrix rounds too much for a count of its eigenvalues; triangles may differ too much in size"
 )
 
 
@@ -189,7 +190,7 @@ def _lowest(pencil: Pencil, count: int) -> Spectrum:
                 "rounding in the matrices; look at the modes"
             )
         if below is None:
-            found.notes.append(NOT_COUNTED)
+            found.notes.append(uncounted(pencil.stiffness.shape[0]))
         return finished(pencil, values, vectors, found, count)
     if "gap" in note:
         found = _spectrum(values, vectors, factor, sigma, solves)
@@ -274,6 +275,11 @@ def _lanczos(
         raise SolveError(f"the iteration for modes did not end: {error}; ask for fewer modes") from error
     order = np.argsort(values, kind="stable")
     return values[order], vectors[:, order], solves
+
+
+def uncounted(unknowns: int) -> str:
+    """Why nothing was counted, in words."""
+    return NOT_COUNTED + (ROUNDED_AWAY if counts(unknowns) else NO_LIBRARY)
 
 
 def _between(a: float, b: float) -> float:

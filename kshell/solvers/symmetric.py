@@ -88,12 +88,33 @@ def counts(unknowns: int) -> bool:
 
 def _columns(matrix: Any) -> SymmetricFactor | None:
     """L D L^T by CHOLMOD, D diagonal; None where it does not give a solution back."""
-    indptr, indices, data = _lower(matrix)
+    scale, scaled = _scaled(matrix)
+    indptr, indices, data = _lower(scaled)
     try:
         factor = CholmodColumns(indptr, indices).factorise(data)
     except Singular:
         return None
-    return None if _miss(matrix, factor.solve) > BELIEVED else SymmetricFactor(*factor[:2], CHOLMOD.name)
+    if _miss(scaled, factor.solve) > BELIEVED:
+        return None
+    return SymmetricFactor(_unscaled(factor.solve, scale), factor.count_negative, CHOLMOD.name)
+
+
+def _scaled(matrix: Any) -> tuple[Floats, Any]:
+    """S and S A S with a diagonal of ones in size, which has the same inertia: meshes may be graded by 1e-6."""
+    import scipy.sparse as sp
+
+    size = np.abs(matrix.diagonal())
+    scale = 1.0 / np.sqrt(np.where(size > 0.0, size, 1.0))
+    by = sp.diags(scale)
+    return scale, (by @ matrix @ by).tocsr()
+
+
+def _unscaled(solve: Callable[[Any], Any], scale: Floats) -> Callable[[Any], Any]:
+    def both(rhs: Any) -> Any:
+        s = scale if rhs.ndim == 1 else scale[:, None]
+        return s * solve(s * rhs)
+
+    return both
 
 
 def _miss(matrix: Any, solve: Callable[[Any], Any]) -> float:
@@ -114,13 +135,14 @@ def _lower(matrix: Any) -> tuple[Any, Any, Floats]:
 
 
 def _superlu(matrix: Any) -> SymmetricFactor:
-    lu = superlu(matrix)
+    scale, scaled = _scaled(matrix)
+    lu = superlu(scaled)
 
     def count_negative() -> int | None:
         if not np.array_equal(lu.perm_r, lu.perm_c):
             return None
-        if _miss(matrix, lu.solve) > BELIEVED:
+        if _miss(scaled, lu.solve) > BELIEVED:
             return None
         return int(np.sum(lu.U.diagonal() < 0))
 
-    return SymmetricFactor(lu.solve, count_negative, SUPERLU.name)
+    return SymmetricFactor(_unscaled(lu.solve, scale), count_negative, SUPERLU.name)
