@@ -54,7 +54,15 @@ def analyse(model: Model, run: Run) -> Result:
         result = resting.answer(rests)
     solver: dict[str, Any] = {"name": "direct", "why": f"shells are factorised; {resting.words}"}
     solver |= {"iterations": rests.iterations, "steps": len(rests.states) - 1}
-    described(result, model, run, ["large deflections: contact", resting.words], solver, large=True)
+    described(
+        result,
+        model,
+        run,
+        ["large deflections: contact", resting.words],
+        solver,
+        large=True,
+        warmth=model.warmth(),
+    )
     if rests.failure is not None:
         rests.failure.state = result
         raise rests.failure
