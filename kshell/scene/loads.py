@@ -428,12 +428,13 @@ class PointMoment(Load):
 class Temperature(Load):
     """A temperature change that varies linearly through the thickness.
 
-    Materials have an `expansion`; one that is given here goes before it. `kshell.scene.thermal` has what they do.
+    Materials have an `expansion`; one that is given here goes before it.
 
     Attributes
     ----------
     mean : scalar [temperature]
-        Change at the middle; a plate that is free to stretch does not feel it, unless its layers expand differently.
+        Change at the mesh, the middle without an offset; a plate that is free to stretch does not feel it, unless its
+        layers expand differently.
     gradient : scalar [temperature / length]
         Change per length along +z: (T_top - T_bottom) / thickness.
     expansion : scalar or [a1, a2], optional [1 / temperature]
