@@ -84,11 +84,9 @@ def test_a_shell_held_in_every_unknown_is_answered(solve):
     hook = PLATE.replace("unit_square", "raasch_hook").replace(
         '{on = "left", kind = "clamped"}', '{on = "hook", fix = "xyzr"}'
     )
-    code, words = solve(hook, "--large-deflection", "false")
-    assert code == 2
-    assert "straight into the support" in words
-    code, words = solve(hook, "--large-deflection", "false", "--set", "load=[]")
-    assert code == 0, words
+    for override in ((), ("--set", "load=[]")):
+        code, words = solve(hook, "--large-deflection", "false", *override)
+        assert code == 0, words
 
 
 def test_json_goes_through_links(solve, tmp_path):
