@@ -90,12 +90,13 @@ def narrowed(
     tolerance, begin = float(options.tolerance), time.perf_counter()
     levels: list[dict[str, Any]] = []
     turned = first.run.on_mesh(longest_first(first.run.structure.parameters))
-    stages = [again(turned, turned.model())]  # triangles are cut at their first edge
+    clock = time.process_time()
+    stages = [_again(first, turned, again)]  # triangles are cut at their first edge
     refiner = Refiner(turned.scene, stages[0].model)
     widths: list[float] = []
     why = ""
     while True:
-        clock, stage = time.process_time(), stages[-1]
+        stage = stages[-1]
         known = bound(stage)
         if known.misfit is None:
             _estimate(known, stages)
@@ -116,8 +117,8 @@ def narrowed(
             break
         wide = "" if width is None else f"intervals {width:.1e} wide, "
         first.run.tell(f"bounds: {wide}{unknowns} unknowns; the mesh is refined")
-        finer = stage.run.on_mesh(mesh)
-        stages = [*stages[1 - LOOKED_BACK :], again(finer, finer.model())]
+        clock = time.process_time()
+        stages = [*stages[1 - LOOKED_BACK :], _again(first, stage.run.on_mesh(mesh), again)]
     known, stage = best
     if why:
         wide = f"{min(widths):.1e} wide" if np.isfinite(min(widths)) else "unknown"
@@ -132,6 +133,13 @@ def narrowed(
         )
     known.levels = levels
     return known, stage
+
+
+def _again(first: Stage, run: Run, again: Callable[[Run, Model], Stage]) -> Stage:
+    """The stage on another mesh, of a model that was chosen for the first one."""
+    stage = again(run, run.model())
+    stage.model.reasons = first.model.reasons
+    return stage
 
 
 def _why_stop(run: Run, widths: list[float], seconds: float) -> str:

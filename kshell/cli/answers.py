@@ -61,9 +61,17 @@ def modes(
 
 
 @command()
-def buckling(source: SceneOnly, files: ModeFiles, *, count: Count = None, running: Running) -> None:
+def buckling(
+    source: SceneOnly,
+    files: ModeFiles,
+    *,
+    count: Count = None,
+    tolerance: Tolerance = None,
+    running: Running,
+) -> None:
     """Factors by which the loads may grow before the structure buckles, by linear theory."""
-    _answer("buckling", source, files, running, {} if count is None else {"count": count})
+    options = {"count": count, "tolerance": tolerance}
+    _answer("buckling", source, files, running, {key: o for key, o in options.items() if o is not None})
 
 
 @command()

@@ -53,6 +53,14 @@ def test_modes_with_table_and_files(scene, tmp_path, capsys):
     assert document["modal"]["total_mass"][2] == pytest.approx(1.0)
 
 
+def test_buckling_to_a_tolerance(scene, capsys):
+    assert run(["buckling", str(scene), "--count", "1", "--tolerance", "1e-5", "--json", "-"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["error"]["estimate"] <= 1e-5
+    assert all(level["seconds"] > 0 for level in document["error"]["levels"])
+    assert not any("as asked for" in words for words in document["model"]["reasons"])
+
+
 def test_buckling_as_json(scene, capsys):
     assert run(["buckling", str(scene), "--count", "2", "--json", "-"]) == 0
     document = json.loads(capsys.readouterr().out)
