@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from kshell.analysis.cost import cost_lines
 from kshell.analysis.model_choice import BENDING, choose_model
 from kshell.analysis.models import as_analysed, model_as
 from kshell.errors import InputError
@@ -26,6 +27,8 @@ class Findings:
     summary, quality : of the mesh
     model : list of str
         What would be modelled and why; empty for a mesh alone.
+    cost : list of str
+        What a solve would take, where that is asked for.
     warnings : list of str
         Worth knowing; does not stop a solve.
     problems : list of str
@@ -35,6 +38,7 @@ class Findings:
     summary: Summary
     quality: Quality
     model: list[str] = field(default_factory=list)
+    cost: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     problems: list[str] = field(default_factory=list)
 
@@ -52,8 +56,8 @@ def check_mesh(mesh: Mesh) -> Findings:
     return found
 
 
-def check_scene(scene: Scene, mesh: Mesh) -> Findings:
-    """What would be modelled, and everything that would stop a solve."""
+def check_scene(scene: Scene, mesh: Mesh, cost: bool = False) -> Findings:
+    """What would be modelled, and everything that would stop a solve; with `cost` what a solve would take."""
     found = check_mesh(mesh)
     moving = scene.solve.analysis == "dynamic"
     found.problems += problems(scene, mesh, moving)
@@ -70,6 +74,8 @@ def check_scene(scene: Scene, mesh: Mesh) -> Findings:
         return found
     found.model = [*model.reasons, f"{model.unknowns} unknowns, {_regime(scene)}"]
     still = "there is no load"  # its own affair where loads do not act
+    if cost:
+        found.cost = cost_lines(model)
     found.warnings.extend(
         words
         for words in model.warnings()

@@ -61,6 +61,10 @@ def check(
     plot: Annotated[
         bool, typer.Option("--plot", help="Draw the mesh with supports, loads, probes and names of groups.")
     ] = False,
+    cost: Annotated[
+        bool,
+        typer.Option("--cost", help="Say what a solve takes: memory and seconds, on several processes too."),
+    ] = False,
     reading: Reading,
 ) -> None:
     """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
@@ -72,11 +76,15 @@ def check(
     if is_scene(source):
         scene = reading.scene(source, "check")
         mesh = scene.read_mesh(reading.allow_system)
-        found = check_scene(scene, mesh)
+        found = check_scene(scene, mesh, cost)
     else:
         from kshell.mesh import read_mesh
 
         no_overrides(source, reading.set_ or [])
+        if cost:
+            raise InputError(
+                f"{source}: --cost is for scenes: a mesh alone does not say what would be solved"
+            )
         scene, mesh = None, read_mesh(source, allow_system=reading.allow_system)
         found = check_mesh(mesh)
     print_findings(found)

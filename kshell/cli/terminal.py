@@ -280,6 +280,8 @@ def print_findings(found: Findings) -> None:
         out.print("[bold]What would be solved[/bold]")
         for words in found.model:
             out.print(f"  {_escaped(words)}")
+    for words in found.cost:
+        out.print(_escaped(words))
     _print_warnings(out, found.warnings)
     if not found.problems:
         out.print("[green]nothing found that would stop a solve[/green]")

@@ -1,0 +1,159 @@
+"""What a solve takes, told beforehand: memory and seconds, from figures measured per unknown.
+
+Seconds and bytes of the assembly, of values and of estimates grow with the unknowns n, operations of the factors of a
+surface with n^1.5 and their entries with n log n. The figures are processor seconds of one thread and the peak memory
+of a linear solve with an estimate on regular grids of 3e4 to 3e5 unknowns (verification/scale.md), on a machine on
+which the reference below takes REFERENCE seconds; on this one they are scaled by what it takes here. Expect them within
+a factor of two on a machine that does nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from kshell.equilibrium.model import Model
+from kshell.solvers.memory import available_bytes
+
+# memory of kshell without any problem, of one process, and with PETSc
+BASE, BASE_PETSC = 125e6, 120e6
+# processor seconds of the reference on the machine of the figures
+REFERENCE = 0.0042
+# part of the operations of the factors that several processes do at once: the last fronts leave some waiting
+EFFICIENT = 0.7
+BYTES = 8.0
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Of one element, per unknown.
+
+    Attributes
+    ----------
+    seconds : float
+        Of everything but the factors.
+    shared : float
+        Seconds of that which every process does, however many there are.
+    flops : float
+        Of the factors, over n^1.5.
+    entries : float
+        Of the factors of 3e5 unknowns; `more` of them with each doubling of the unknowns.
+    held : float
+        Bytes beside the factors.
+    copied : float
+        Bytes of that which every process has.
+    """
+
+    seconds: float
+    shared: float
+    flops: float
+    entries: float
+    more: float
+    held: float
+    copied: float
+
+    def factor_flops(self, unknowns: int) -> float:
+        """Operations of the factors."""
+        return self.flops * unknowns**1.5
+
+    def factor_bytes(self, unknowns: int) -> float:
+        """Bytes of the factors."""
+        entries = self.entries + self.more * math.log2(max(unknowns, 1) / 3e5)
+        return BYTES * unknowns * max(entries, 20.0)
+
+
+FIGURES = {
+    ("koiter", 1): Figures(10e-6, 1.5e-6, 130.0, 140.0, 15.0, 1300.0, 500.0),
+    ("koiter", 2): Figures(9.6e-6, 2.0e-6, 150.0, 186.0, 15.0, 1900.0, 650.0),
+    ("koiter", 3): Figures(11e-6, 2.0e-6, 200.0, 230.0, 17.0, 2900.0, 700.0),
+    ("morley", 2): Figures(4.5e-6, 1.5e-6, 27.0, 75.0, 5.0, 900.0, 500.0),
+    ("argyris", 5): Figures(13.5e-6, 3.0e-6, 240.0, 200.0, 13.0, 2300.0, 700.0),
+}
+FLOPS = 1.5e10  # a second, of the factors, on the machine of the figures
+LONGER = "; large deflections, modes and load cases take a multiple of these seconds"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a linear solve is expected to take.
+
+    Attributes
+    ----------
+    processes : int
+    seconds : float
+    memory : float
+        Bytes, of each process.
+    """
+
+    processes: int
+    seconds: float
+    memory: float
+
+
+def cost_of(model: Model, processes: int = 1, speed: float = 1.0) -> Cost | None:
+    """What the linear solve of a model takes; None for elements without figures.
+
+    Parameters
+    ----------
+    model : Model
+    processes : int
+        How many share it, by PETSc where more than one do.
+    speed : float
+        Of this machine, against that of the figures; see `speed_of_machine`.
+    """
+    known = FIGURES.get((model.element, model.order))
+    if known is None:
+        return None
+    n, p = model.unknowns, processes
+    factors = known.factor_flops(n) / FLOPS
+    if p == 1:
+        return Cost(1, (known.seconds * n + factors) / speed, BASE + known.held * n + known.factor_bytes(n))
+    seconds = known.shared * n + (known.seconds - known.shared) * n / p + factors / (p * EFFICIENT)
+    divided = (known.held + known.factor_bytes(n) / n) * n / p
+    return Cost(p, seconds / speed, BASE_PETSC + known.copied * n + divided)
+
+
+def speed_of_machine() -> float:
+    """How fast this machine is, against that of the figures: by products of small and of larger matrices."""
+    rng = np.random.default_rng(0)
+    small, large = rng.standard_normal((2000, 24, 24)), rng.standard_normal((400, 400))
+    best = math.inf
+    for _ in range(3):
+        begin = time.process_time()
+        _ = small @ small
+        _ = large @ large
+        best = min(best, time.process_time() - begin)
+    return REFERENCE / max(best, 1e-6)
+
+
+def cost_lines(model: Model, processes: tuple[int, ...] = (1, 2, 4, 16)) -> list[str]:
+    """The cost in words: on this machine, and on several processes."""
+    if cost_of(model) is None:
+        return [
+            f"cost: {model.unknowns} unknowns; no figures were measured for the element {model.element} of order "
+            f"{model.order}"
+        ]
+    speed, have = speed_of_machine(), available_bytes()
+    lines = [f"cost of a linear solve with {model.unknowns} unknowns, within a factor of two{LONGER}:"]
+    for count in processes:
+        found = cost_of(model, count, speed)
+        assert found is not None
+        who = "one process" if count == 1 else f"{count} processes (mpiexec -n {count})"
+        each = "" if count == 1 else " each"
+        lines.append(f"  {who}: about {_size(found.memory)}{each}, {_time(found.seconds)}")
+        if count == 1 and found.memory > have:
+            lines[-1] += f"; {_size(have)} are available here, so it is likely not to fit"
+    return lines
+
+
+def _size(value: float) -> str:
+    return f"{value / 1e9:.3g} GB" if value >= 1e9 else f"{round(value / 1e6, -1):.0f} MB"
+
+
+def _time(seconds: float) -> str:
+    if seconds < 1.0:
+        return "less than a second"
+    return f"{seconds:.2g} s" if seconds < 90 else f"{seconds / 60:.2g} min"

@@ -1,0 +1,78 @@
+"""What a solve is said to take, beside what it takes."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+import kshell as ks
+from kshell.analysis import cost
+from kshell.analysis.models import model_of
+from kshell.cli.commands import run
+
+MESHES = Path(__file__).parents[2] / "meshes"
+
+
+def roof(cells: int, **options: object) -> ks.Scene:
+    mesh = ks.geometry.Cylinder(1.0).mesh(cells, cells, 2, ("a", "b", "c", "d"), (0.5, 1.4), (0.0, 1.0))
+    return ks.Scene(
+        mesh=mesh,
+        thickness=0.01,
+        material=ks.Isotropic(E=1.0, nu=0.3),
+        supports=[ks.Clamped("a")],
+        loads=[ks.Pressure(1e-9)],
+        solve={"large_deflection": False, **options},
+    )
+
+
+def test_cost_grows_with_unknowns_and_falls_with_processes() -> None:
+    few, many = model_of(roof(4)), model_of(roof(8))
+    one = cost.cost_of(few)
+    more = cost.cost_of(many)
+    assert one is not None
+    assert more is not None
+    assert more.seconds > 3.0 * one.seconds
+    assert more.memory > one.memory
+    for model, processes in ((many, 2), (many, 16)):
+        several = cost.cost_of(model, processes)
+        assert several is not None
+        assert several.processes == processes
+    large = cost.FIGURES["koiter", 2]
+    assert large.factor_bytes(1_000_000) == pytest.approx(8 * 213e6, rel=0.05)  # as MUMPS counts at 1,003,472
+    assert large.factor_flops(1_003_472) == pytest.approx(1.61e11, rel=0.15)
+
+
+def test_seconds_are_right_within_a_small_factor() -> None:
+    scene = roof(24)
+    model = model_of(scene)
+    said = cost.cost_of(model, 1, cost.speed_of_machine())
+    assert said is not None
+    ks.solve(scene)  # first uses of libraries are not counted
+    begin = time.process_time()
+    ks.solve(scene)
+    taken = time.process_time() - begin
+    assert taken / 6.0 < said.seconds < 6.0 * taken
+
+
+def test_the_command_says_it_of_scenes_only(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["check", str(MESHES / "plate.toml"), "--cost"]) == 0
+    assert "2 processes (mpiexec -n 2)" in capsys.readouterr().out
+    assert run(["check", str(MESHES / "plate.msh"), "--cost"]) == 2
+    assert "--cost is for scenes" in capsys.readouterr().err
+
+
+def test_what_is_said() -> None:
+    lines = cost.cost_lines(model_of(roof(4)))
+    assert "unknowns" in lines[0]
+    assert any("mpiexec -n 4" in line for line in lines)
+    hhj = ks.geometry.Plane().mesh(2, 2, 1, ("a", "b", "c", "d"), (0.0, 1.0), (0.0, 1.0))
+    scene = ks.Scene(
+        mesh=hhj,
+        thickness=0.1,
+        material=ks.Isotropic(E=1.0, nu=0.3),
+        supports=[ks.Clamped("a")],
+        loads=[ks.Pressure(1e-3)],
+        solve={"element": "hhj", "model": "plate"},
+    )
+    (line,) = cost.cost_lines(model_of(scene))
+    assert "no figures" in line
