@@ -184,6 +184,10 @@ def _fit_line(
         nodes[1::2] = mesh.midpoints[edges, :2] - origin
 
     rounding = ROUNDING * float(np.abs(nodes + origin).max())
+    directions = _polygon(nodes, step, closed, rounding)
+    if directions is not None:
+        out.tangent[line] = np.where(forward, 1.0, -1.0)[:, None, None] * directions[:, None]
+        return 0.0, origin
     corner, jump, turn = _breaks(nodes, step, closed, rounding)
     smooth = np.where(corner, 0.0, turn)[::step]
     worst = int(np.argmax(smooth))
@@ -210,6 +214,37 @@ def _fit_line(
     joint = jump[::step] & ~corner[::step]
     _store(out, line, forward, nodes[::step], derivatives, straight, joint, closed)
     return float(smooth[worst]), nodes[worst * step] + origin
+
+
+def _polygon(nodes: Floats, step: int, closed: bool, rounding: float) -> Floats | None:
+    """(edge, 2) unit directions of a line of straight sides and sharp corners; None of others.
+
+    All edges of a side have the same direction, as conditions on them ask for.
+    """
+    chord = np.diff(nodes, axis=0)
+    x, y = chord.T
+    length = np.hypot(x, y)
+    before = np.roll(np.arange(len(chord)), 1) if closed else np.arange(len(chord) - 1)
+    after = np.arange(len(chord)) if closed else before + 1
+    dot = x[before] * x[after] + y[before] * y[after]
+    cross = x[before] * y[after] - y[before] * x[after]
+    longer = np.maximum(length[before], length[after])
+    ahead = (np.abs(cross) < rounding * longer) & (dot > 0.0)
+    corner = dot < np.cos(SHARPEST_SMOOTH_TURN) * length[before] * length[after]
+    if not (ahead | corner).all():
+        return None
+    at = after[corner]  # nodes at which sides end
+    if step > 1 and (at % step).any():
+        return None
+    count = len(chord)
+    ends = at if closed else np.concatenate([[0], at, [count]])
+    if not len(ends):
+        return None
+    number = np.searchsorted(ends, np.arange(0, count, step), side="right") - 1  # -1: the side over the start
+    begin, end = (ends, np.append(ends[1:], ends[0])) if closed else (ends[:-1], ends[1:])
+    sides = nodes[end] - nodes[begin]
+    unit = sides / np.hypot(sides[:, 0], sides[:, 1])[:, None]
+    return np.asarray(unit[number])
 
 
 def _breaks(

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+import kshell as ks
 from kshell.mesh.mesh import Mesh
+from kshell.plate import curves
 from kshell.plate.curves import edge_curves
 from kshell.plate.domain import Domain
 from tests.plate.plates import disk, rectangle
@@ -127,3 +129,24 @@ def test_slanted_edges_graded_down_to_rounding_are_straight():
     assert not curves.curved.any()
     slanted = (mesh.edges[curves.edges] < n).all(axis=1)
     assert np.abs(np.abs(curves.tangent[slanted] @ direction) - 1.0).max() < 1e-15
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize("order", [1, 2])
+def test_sides_of_polygons_are_those_of_the_general_way(turn, order, monkeypatch):
+    """Wherever a line begins, and with all edges of a side along the same direction."""
+    c, s = np.cos(turn), np.sin(turn)
+    turned = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    flat = ks.geometry.Plane().mesh(3, 4, order=order)
+    middles = None if flat.midpoints is None else flat.midpoints @ turned
+    mesh = ks.Mesh.from_arrays(flat.points @ turned, flat.triangles, midpoints=middles)
+    for edges in (mesh.boundary_edges, mesh.boundary_edges[2:]):
+        quick = curves._edge_curves(mesh, edges)
+        assert not quick.curved.any()
+        with monkeypatch.context() as patch:
+            patch.setattr(curves, "_polygon", lambda *_: None)
+            general = curves._edge_curves(mesh, edges)
+        np.testing.assert_allclose(quick.tangent, general.tangent, atol=1e-14)
+        np.testing.assert_array_equal(quick.shape, general.shape)
+        if len(edges) == len(mesh.boundary_edges):
+            assert len(np.unique(np.abs(quick.tangent).reshape(-1, 2), axis=0)) <= 4
