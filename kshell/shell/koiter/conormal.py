@@ -32,9 +32,12 @@ def edge_conormals(surface: Surface, edges: ArrayLike) -> Floats:
     p = surface.order
     edges = np.asarray(edges, dtype=np.int64)
     place = first_triangle(surface).reshape(-1, p)[edges]
-    x1, x2 = surface.tangents(surface.reference.edge_first)
-    result = cross(surface.edge_tangents, cross(x1, x2))
-    return np.moveaxis((result / norm(result)).reshape(3, -1)[:, place], 0, 2)
+    triangles, number = np.unique(place // (3 * p), return_inverse=True)
+    x1, x2 = surface.tangents(surface.reference.edge_first, triangles)
+    t = surface.reference.edge_tangents
+    result = cross(x1 * t[:, 0] + x2 * t[:, 1], cross(x1, x2))
+    local = 3 * p * number.reshape(place.shape) + place % (3 * p)
+    return np.moveaxis((result / norm(result)).reshape(3, -1)[:, local], 0, 2)
 
 
 def across_line(surface: Surface, edges: ArrayLike) -> Floats:
