@@ -19,6 +19,7 @@ from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
+from kshell.scene.jumps import rough_words
 from kshell.scene.loads import Load, PointForce, PointMoment, Pressure, Temperature
 from kshell.scene.mapped import Mapped, keep_resultant
 from kshell.scene.masses import Mass
@@ -231,9 +232,11 @@ def _from_files(loads: Iterable[Placed[Load]], space: Mesh) -> tuple[tuple[Place
 def _warned(
     load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, moving: bool
 ) -> Placed[Load]:
-    """A load, with a warning where it acts at points or on surfaces that supports hold along it."""
+    """A load, with a warning where it goes into supports that hold it, or changes fast inside triangles."""
     now = load.at_time(0.0) if moving else load
     words = lost_into_supports(now, supports, space)
+    if load.item.dimensions == (2,):
+        words = "; ".join(part for part in (words, rough_words(now.item, space, now.members(space))) if part)
     return replace(load, warning=words) if words else load
 
 
