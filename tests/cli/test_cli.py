@@ -291,7 +291,18 @@ def test_solve_is_a_function_after_solving(folder):
 KNOWN_WARNINGS = ("moments grow without bound", "stresses grow without bound", "too thick for this theory")
 
 
-@pytest.mark.parametrize("scene", sorted(MESHES.glob("*.toml")), ids=lambda path: path.stem)
+# of these each takes ten seconds or more
+LONG = ("kirigami", "pressed_can", "table_corner")
+JUMPS = "passes a limit point"  # of the sheet whose bridges buckle
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        pytest.param(path, id=path.stem, marks=[pytest.mark.full] * (path.stem in LONG))
+        for path in sorted(MESHES.glob("*.toml"))
+    ],
+)
 def test_shipped_scenes(scene, tmp_path, capsys):
     analysis = ks.Scene.load(scene).solve.analysis
     if analysis == "dynamic":
@@ -299,9 +310,10 @@ def test_shipped_scenes(scene, tmp_path, capsys):
     command = analysis if analysis in ("modes", "buckling") else "solve"
     code, _, err = run(capsys, command, scene, "--json", tmp_path / "result.json")
     assert code == 0
-    assert [line for line in err.splitlines() if not line.startswith("kshell: level")] == []
+    assert [line for line in err.splitlines() if not line.startswith("kshell: ")] == []  # progress
     document = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
     known = KNOWN_WARNINGS if scene.stem.startswith("l_shape") else KNOWN_WARNINGS[:2]
+    known += (JUMPS,) if scene.stem == "kirigami" else ()
     assert [words for words in document["warnings"] if not any(part in words for part in known)] == []
     assert document["balance"] < 1e-6
     exact = {"disk": 5.3 / 1.3 / 64, "ellipse": 1 / (8 * (3 / 16 + 3 + 2 / 4)), "sector": 1 / 64}
