@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.contact.barrier import Barrier, Body, Surfaces, Touch
+from kshell.equilibrium.contact.barrier import Barrier, Touch
+from kshell.equilibrium.contact.surfaces import Body, Surfaces
 from kshell.equilibrium.problem import Problem
 from kshell.errors import InputError
 from kshell.mesh import read_mesh

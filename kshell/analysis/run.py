@@ -107,6 +107,7 @@ def described(
         "reasons": [
             *model.reasons,
             *reasons,
+            *_forgets(model, run),
             *(f"mesh: {note}" for note in model.structure.parameters.notes),
         ],
     }
@@ -129,3 +130,13 @@ def _keeps_stress(placed: Placed[Load], structure: Structure) -> bool:
     return isinstance(load, Temperature) and keeps_stress(
         load, structure.section, placed.members(structure.space)
     )
+
+
+def _forgets(model: Model, run: Run) -> list[str]:
+    """What an analysis leaves out of materials that remember their past, in words."""
+    past, analysis = model.structure.section.inelastic(), run.options.analysis
+    if past.relaxation and analysis != "dynamic":
+        return ["material: its stiffness against sudden strains; it relaxes in motion only"]
+    if past.yielding is not None and analysis not in ("static", "path", "dynamic"):
+        return ["material: elastic; it yields in statics, paths and motion only"]
+    return []

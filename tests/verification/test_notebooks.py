@@ -16,6 +16,7 @@ PICTURES = {
     "failures": 15,
     "shells": 9,
     "large_deflections": 7,
+    "motion": 4,
     "work_precision": 5,
 }
 QUICK = {
@@ -30,6 +31,7 @@ SAYS = {
     "failures": ("Babuska", "moment over it", "valence 6", "Regge", "hinge, tangent"),
     "shells": ("reference       -0.300592457", "observed order", "Koiter 2571.96514"),
     "work_precision": ("| problem | quantity | error |", "deflection 2.66e-06, in the table 2.66e-06"),
+    "motion": ("em     period longer by 2.0", "static -27.65", "weight 2.4525", "keeps"),
     "large_deflections": ("0.713791524", "for small deflections", "table 0.7421, 0.1729"),
 }
 
