@@ -329,3 +329,19 @@ def test_rounding_of_energies_bounds_what_is_seen():
     assert np.all(bound > 1e-15)
     whole = (np.abs(found.vectors) * (abs(model.stiffness()) @ np.abs(found.vectors))).sum(axis=0)
     assert np.all(np.abs(by_entries - by_strains) <= bound * by_strains + 1e-15 * 16 * whole)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("kind", [ks.Clamped, ks.SimplySupported])
+def test_ten_intervals_of_an_l_shape_to_1e_4(kind):
+    """Those of two runs overlap; the narrower ones lie within the wider ones but for rounding."""
+    from kshell.verify.cases import meshes
+
+    material = ks.Isotropic(E=12 * (1 - NU**2), nu=NU, density=1.0)
+    scene = ks.Scene(mesh=meshes.l_shape(8, 0), thickness=1.0, material=material, supports=[kind("edge")])
+    wide, narrow = (ks.modes(scene, count=10, tolerance=t) for t in (1e-2, 1e-4))
+    assert narrow.error["kind"] == "guaranteed"
+    assert narrow.error["estimate"] <= 1e-4
+    for a, b in zip(wide.eigen, narrow.eigen, strict=True):
+        assert a["lower"] <= b["upper"]
+        assert b["lower"] <= a["upper"]
