@@ -61,8 +61,10 @@ def analyse(model: Model, run: Run) -> Result:
     if _is_auto_chart(model, run):
         run = run.with_options(element="koiter")
         model = run.model()
-    first = answer_once(model, run)
-    model = first.model
+    first: Answered | None = None
+    if not (isinstance(model, PlateModel) and run.options.large_deflection is False):
+        first = answer_once(model, run)  # which decides between plate and shell, small and large deflections
+        model = first.model
     if (not isinstance(model, KoiterModel) and model.element != "argyris") or (
         model.element == "argyris" and model.kind == "shell"
     ):
@@ -71,7 +73,9 @@ def analyse(model: Model, run: Run) -> Result:
             + ('"argyris"' if model.kind == "plate" else '"koiter"')
         )
     run = run.with_options(
-        model=model.kind, element=model.element, large_deflection=bool(first.result.model["large_deflection"])
+        model=model.kind,
+        element=model.element,
+        large_deflection=first is not None and bool(first.result.model["large_deflection"]),
     )
     mesh = longest_first(model.structure.parameters)
     loop = Refinement(run, names, False, begin, Refiner(run.scene, model))
@@ -79,10 +83,11 @@ def analyse(model: Model, run: Run) -> Result:
     if isinstance(model, PlateModel):
         mesh, loop.pair = plate_start(model, mesh, names, run)
     else:
+        assert first is not None
         mesh = shell_start(run, mesh, _membrane(model, first))
     if followed is not None:
         loop.frozen = geometry_share(followed.first)
-    elif not shape_is_known(run.scene) and not loop.pair:
+    elif first is not None and not shape_is_known(run.scene) and not loop.pair:
         loop.frozen = assess(model, first.state, first.result, 0).geometry or 0.0
     _refine(loop, mesh)
     return _result(loop, first)

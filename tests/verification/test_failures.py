@@ -153,3 +153,24 @@ def test_scikit_fem_alone_is_a_fair_peer(element, kind):
     assert bare.deflection(0.5, 0.5) == pytest.approx(values["u"][0, 2], rel=1e-8)
     if element == "argyris":
         assert bare.moment_xx(0.5, 0.5) == pytest.approx(values["M"][0, 0], rel=1e-6)
+
+
+def test_averages_see_the_error_of_morley_and_not_of_argyris(numbers):
+    found = numbers("averages")
+    assert (found["Argyris: averages"] < 0.1 * found["Argyris: error"]).all()
+    assert (2.0 * found["Argyris: residuals"] > found["Argyris: error"])[1:].all()
+    # the middle of a guaranteed interval is off by no more than its half width
+    assert (2.0 * found["Argyris: guaranteed"] > found["Argyris: error"]).all()
+    assert (found["Morley: averages"][-1:] > 0.3 * found["Morley: error"][-1:]).all()
+
+
+def test_the_shape_of_the_first_mesh_stays(numbers):
+    found = numbers("frozen_shape")
+    assert found["without geometry"][-1] == pytest.approx(found["without geometry"][-2], rel=0.05)
+    assert found["on the chart"][-1] < 1e-3 * found["without geometry"][-1]
+
+
+def test_richardson_is_off_where_bounds_are_not(numbers):
+    found = numbers("richardson")
+    assert (found["Richardson"] > 100 * found["graded, guaranteed"]).all()
+    assert (found["graded, guaranteed"] <= 1e-4).all()

@@ -13,7 +13,7 @@ PICTURES = {
     "plates": 4,
     "supports": 4,
     "materials": 3,
-    "failures": 15,
+    "failures": 18,
     "shells": 9,
     "large_deflections": 7,
     "motion": 4,

@@ -6,11 +6,13 @@
 from functools import cache
 
 from verification.failures import (
+    averages,
     conditioning,
     corners,
     crease,
     curved_support,
     discrete_curvature,
+    frozen_shape,
     hinges,
     known_bending,
     locking,
@@ -18,6 +20,7 @@ from verification.failures import (
     origin,
     point_supports,
     poisson,
+    richardson,
     textbook,
     thin_triangles,
     time_steps,
@@ -42,6 +45,9 @@ GALLERY: dict[str, Failure] = {
         hinges,
         known_bending,
         crease,
+        averages,
+        frozen_shape,
+        richardson,
     )
 }
 

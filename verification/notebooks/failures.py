@@ -128,3 +128,25 @@ _ = show("known_bending")
 
 # %%
 _ = show("crease")
+
+# %% [markdown]
+# ## Averages on smooth elements
+#
+# $\eta^2 = \int (M - M^*) : D^{-1} (M - M^*)$ with $M^*$ continuous: nothing is seen where $M$ is continuous by itself.
+
+# %%
+_ = show("averages")
+
+# %% [markdown]
+# ## A shape that stays
+
+# %%
+_ = show("frozen_shape")
+
+# %% [markdown]
+# ## Extrapolation at corners
+#
+# $v_\infty = v_3 + (v_3 - v_2) / (2^p - 1)$ with the rate $p$ of three meshes supposes an error $C h^p$.
+
+# %%
+_ = show("richardson")
