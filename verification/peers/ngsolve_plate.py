@@ -30,11 +30,9 @@ def to_netgen(points: Any, triangles: Any, edges: Any) -> Any:
     """The mesh, its boundary named "edge"."""
     mesh = netgen.Mesh(dim=2)
     inside = mesh.Add(netgen.FaceDescriptor(surfnr=1, domin=1, domout=0, bc=1))
-    numbers = [mesh.Add(netgen.MeshPoint(netgen.Pnt(float(x), float(y), 0.0))) for x, y in points]
-    for a, b, c in triangles:
-        mesh.Add(netgen.Element2D(inside, [numbers[a], numbers[b], numbers[c]]))
-    for a, b in edges:
-        mesh.Add(netgen.Element1D([numbers[a], numbers[b]], index=1))
+    mesh.AddPoints(np.column_stack([points, np.zeros(len(points))]))
+    mesh.AddElements(dim=2, index=inside, data=np.ascontiguousarray(triangles, dtype=np.int32), base=0)
+    mesh.AddElements(dim=1, index=1, data=np.ascontiguousarray(edges, dtype=np.int32), base=0)
     mesh.SetBCName(0, "edge")
     return ng.Mesh(mesh)
 

@@ -23,6 +23,10 @@ KSHELL = {
     "kshell Argyris, multigrid": "#f472b6",
     "kshell Morley": "#f97316",
     "kshell Morley, multigrid": "#fbbf24",
+    "kshell HHJ, order 3": "#fda4af",
+    "kshell HHJ, order 4": "#fb7185",
+    "kshell HHJ, order 6": "#be123c",
+    "kshell HHJ, order 8": "#4c0519",
     "kshell Koiter p = 1": "#93c5fd",
     "kshell Koiter p = 2": "#2563eb",
     "kshell Koiter p = 3": "#1e3a8a",
@@ -31,7 +35,7 @@ KSHELL = {
     "kshell Koiter p = 3, bare": "#6366f1",
 }
 PEERS = {
-    "NGSolve": ("#bbf7d0", "#4ade80", "#16a34a", "#14532d"),
+    "NGSolve": ("#bbf7d0", "#4ade80", "#16a34a", "#14532d", "#86efac", "#22c55e", "#052e16"),
     "scikit-fem": ("#57534e", "#a8a29e"),
     "Kratos": ("#7c3aed",),
     "OpenSees": ("#0891b2", "#67e8f9"),
@@ -44,7 +48,8 @@ NAMES = {"compliance": "energy", "w": "deflection", "M": "moment"}
 TIMED = (
     "Seconds: processor time on one thread from the arrays of the mesh to the solution, best of up to three, without "
     "imports and a first small solve; each program in a process of its own.\nIn this time kshell also checks mesh, "
-    "supports and equilibrium; the others build, assemble and solve. Values at points are read behind the clock."
+    "supports and equilibrium, without estimates of errors; the others build, assemble and solve. Values at points are "
+    "read behind the clock."
 )
 
 
