@@ -226,6 +226,30 @@ def test_drape_to_rest(ipctk):
     assert result.probe("corner")["u"][2] < -0.2
 
 
+@pytest.mark.full
+def test_drape_of_both_orders(ipctk):
+    """The shadow of a stiff square on a ball: orders 1 and 2 on two meshes within 3 %."""
+    shadows = []
+    for order, cells in ((1, 8), (1, 12), (2, 4), (2, 6)):
+        scene = ks.Scene(
+            mesh=large_scenes.rectangle(0.5, 0.5, cells, cells),
+            thickness=2e-3,
+            material=ks.Isotropic(E=1e8, nu=0.3, density=1000.0),
+            loads=[ks.Gravity((0, 0, -G))],
+            contact=ks.Contact(friction=0.3, distance=2e-3, self=False),
+            obstacles=[
+                ks.Obstacle({"kind": "sphere", "centre": (0.25, 0.25, -0.186), "radius": 0.18}, name="ball")
+            ],
+            solve={"order": order, "error": "off"},
+        )
+        result = ks.solve(scene)
+        places = (result.points + result.fields["displacement"])[:, :2]
+        u, v = (places[result.mesh.triangles[:, k]] - places[result.mesh.triangles[:, 0]] for k in (1, 2))
+        shadows.append(np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2 / 0.25)
+    assert max(shadows) < 1.03 * min(shadows)
+    assert 0.85 < min(shadows) < 0.95
+
+
 def test_a_sheet_folds_on_itself(ipctk):
     """Half of a strip is thrown onto the other half: it does not pass through."""
     scene = ks.Scene(
