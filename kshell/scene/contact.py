@@ -145,7 +145,7 @@ class Obstacle:
         A dict has the kind plane (point, normal towards the shell), sphere (centre, radius) or cylinder (point, axis,
         radius).
     motion : three expressions in t, optional [length]
-        Displacement since t = 0.
+        Displacement since t = 0; in statics t goes from 0 to 1.
     name : str, optional
         Of its forces in the history.
 

@@ -173,7 +173,7 @@ class Scene:
     damping : Damping or dict, optional
         Of a motion, or a response.
     contact : Contact or dict, optional
-        What touches in a motion; with obstacles alone the defaults.
+        What touches, in a motion or at rest; with obstacles alone the defaults.
     obstacles : sequence of Obstacle
     title : str
         Of all that is printed, drawn and written.
