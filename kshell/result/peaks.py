@@ -112,17 +112,37 @@ def _ends_inside(structure: Structure) -> NDArray[np.integer]:
 def near_peaks(result: Result, structure: Structure) -> NDArray[np.bool_]:
     """(row,) whether rows lie within the reach of places where stresses grow without bound."""
     found = list(peaks(structure))
-    points, near = result.points, np.zeros(len(result.points), dtype=bool)
-    for vertex, reach in zip(found, _reach(structure, found), strict=True):
-        near |= np.linalg.norm(points - points[vertex], axis=1) <= reach
+    near = np.zeros(len(result.points), dtype=bool)
+    if found:
+        stress = _largest(result)
+        for vertex, reach in zip(found, _reach(structure, found), strict=True):
+            near |= _within(structure, result.points, stress, vertex, reach)
     return near
+
+
+def _within(
+    structure: Structure, points: Floats, stress: Floats, vertex: int, reach: float
+) -> NDArray[np.bool_]:
+    """(row,) whether stresses are those of the peak at a vertex: within its reach, and on its slope.
+
+    Stresses of a peak fall with the distance. Where they are larger than at the peak and all of its neighbours, they
+    come from something else, the edge of a hole perhaps, and are no numbers of the mesh.
+    """
+    mesh: Mesh = structure.space
+    around = mesh.triangles[(mesh.triangles == vertex).any(axis=1)]
+    distance = np.linalg.norm(points - mesh.points[vertex], axis=1)
+    beside = (
+        distance <= (1.0 + ROUNDING) * np.linalg.norm(mesh.points[around] - mesh.points[vertex], axis=2).max()
+    )
+    top = stress[beside].max() if beside.any() else np.inf
+    return (distance <= reach) & (beside | (stress <= top))
 
 
 def mark_peaks(result: Result, structure: Structure) -> None:
     """Take the largest stress of a result away from peaks, and say so where it was one.
 
     `extremes["von_mises"]` gets the entry "peak", None or {"value", "at", "why"}; its value is then the largest
-    farther from all of them than the thickness and two triangles.
+    farther from all of them than the thickness and two triangles, or nearer and above them.
     """
     found = peaks(structure)
     if "von_mises" not in result.extremes:
@@ -132,15 +152,15 @@ def mark_peaks(result: Result, structure: Structure) -> None:
         makers = {key: partial(known.__getitem__, key) for key in known}
         result.extremes = Deferred({**makers, "von_mises": lambda: {**known["von_mises"], "peak": None}})
         return
-    stress = np.max([np.ravel(values) for values in _stresses(result)], axis=0)
+    stress = _largest(result)
     points, near = result.points, np.zeros(len(stress), dtype=bool)
     worst = int(np.argmax(stress))
     why, radius = "", 0.0
     for vertex, reach in zip(found, _reach(structure, list(found)), strict=True):
-        distance = np.linalg.norm(points - points[vertex], axis=1)
-        near |= distance <= reach
-        if distance[worst] <= reach and not why:
-            why, radius = f"{found[vertex]} at {place(points[vertex])}", reach
+        within = _within(structure, points, stress, vertex, reach)
+        near |= within
+        if within[worst] and not why:
+            why, radius = f"{found[vertex]} at {place(structure.space.points[vertex])}", reach
     entry: dict[str, Any] = {**result.extremes["von_mises"], "peak": None}
     if why and not near.all() and entry["value"] > _rounding(result, structure):
         peak = {key: entry[key] for key in ("value", "at")}
@@ -158,6 +178,11 @@ def _rounding(result: Result, structure: Structure) -> float:
     moved = np.linalg.norm(result.fields["displacement"], axis=1).max()
     stiffness = np.abs(structure.section.moduli).max()
     return float(ROUNDING * stiffness * thickness * moved / structure.space.size**2)
+
+
+def _largest(result: Result) -> Floats:
+    """(row,) largest stress of all faces."""
+    return np.asarray(np.max([np.ravel(values) for values in _stresses(result)], axis=0))
 
 
 def _stresses(result: Result) -> Iterator[Floats]:

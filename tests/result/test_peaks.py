@@ -103,3 +103,14 @@ def test_a_line_that_is_held_from_edge_to_edge_has_no_end():
     result = solved(mesh, [ks.SimplySupported("edge"), ks.Fixed("wall", "z")], [ks.Pressure(1e3)])
     assert result.extremes["von_mises"]["peak"] is None
     assert not [words for words in result.warnings if "without bound" in words]
+
+
+def test_a_larger_stress_of_another_cause_near_a_peak_is_no_number_of_the_mesh():
+    """A clamped edge under pressure, two triangles beside a weak force: the largest stress is that of the edge."""
+    supports = [ks.Clamped("left"), ks.SimplySupported(["right", "bottom", "top"])]
+    result = solved(rectangle(8), supports, [ks.Pressure(1e4), ks.PointForce((0.25, 0.5, 0), (0, 0, 1.0))])
+    alone = solved(rectangle(8), supports, [ks.Pressure(1e4)])
+    found = result.extremes["von_mises"]
+    assert found["peak"] is None
+    assert found["value"] == pytest.approx(alone.extremes["von_mises"]["value"], rel=0.01)
+    assert not [words for words in result.warnings if "without bound" in words]
