@@ -85,7 +85,7 @@ class Followed:
         """Points s (n,) of curves (n,), by their places."""
         curves: EdgeCurves = self.first.curves
         ends = self.first.points[self.first.mesh.edges[curves.edges[place]]]
-        power = s[:, None] ** np.arange(4)
+        power = s[:, None] ** np.arange(curves.shape.shape[1])
         bump = (s * (1.0 - s))[:, None] * (power[:, :, None] * curves.shape[place]).sum(axis=1)
         return np.asarray((1.0 - s)[:, None] * ends[:, 0] + s[:, None] * ends[:, 1] + bump)
 

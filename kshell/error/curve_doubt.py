@@ -26,17 +26,21 @@ def curve_doubt(domain: Domain) -> Floats:
     """(edge,) distance that the true shape of each edge of `Domain.curves` may have from the one taken; 0: straight.
 
     An edge with a node in its middle is a quintic with the tangents and curvatures of the spline at its ends: it misses
-    that node by as much as it is off.
+    that node by as much as it is off. Arcs of circles are known to rounding.
     """
     curves, mesh = domain.curves, domain.mesh
     out = np.zeros(len(curves.edges))
     for edges, ahead, closed in _chains(domain):
         out[edges] = _missed(domain, edges, ahead, closed)
+    out[curves.arcs] = 0.0
     if mesh.midpoints is not None:
         bent = np.flatnonzero(curves.curved)
         chord = domain.points[mesh.edges[curves.edges[bent]]].mean(axis=1)
         off = chord + curves.deviation(bent, np.array([0.5]))[:, 0] - mesh.midpoints[curves.edges[bent], :2]
-        out[bent] += np.linalg.norm(off, axis=1)
+        # where along the edge the node lies says nothing of its shape
+        along = domain.edge_motion(curves.edges[bent].astype(np.int64), np.array([0.5]))[0][:, 0]
+        across = off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]
+        out[bent] += np.abs(across) / np.linalg.norm(along, axis=1)
     return out
 
 

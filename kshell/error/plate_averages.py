@@ -25,7 +25,7 @@ from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, Assessment, Interval
 from kshell.error.curve_doubt import turns
 from kshell.error.estimate import Estimate
-from kshell.error.plates import deflection_rows, goal_marks
+from kshell.error.plates import deflection_rows, geometry_share, goal_marks
 from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.hhj.numbering import Held
@@ -72,7 +72,7 @@ def assess_averages(
         value = np.asarray(result.probes[name]["u"], dtype=float)
         out.probes[name] = Interval(value, along, along / (2.0 * safety), "estimated")
         out.marks[name] = goal_marks(own, dual)
-    out.geometry = _chords(problem)
+    out.geometry = _chords(problem) if isinstance(model, PlateModel) else geometry_share(problem.domain)
     return out
 
 
@@ -186,6 +186,8 @@ def _dual_moments(model: PlateModel | HHJModel, names: Sequence[str], nodes: Flo
         chosen = np.array([triangle])
         xi = system.triangles.reference(xy[None, None], chosen)
         load.local[triangle] = system.tables.inside(xi)[0, 0]
+        if system.arcs is not None:
+            system.arcs.to_unknowns(load.local)
         out.append(_moments(system.solve(load, Held()), nodes))
     return out
 

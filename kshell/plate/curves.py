@@ -1,15 +1,15 @@
 """The true shape of curved edges, rebuilt from the nodes of the mesh.
 
 The nodes of a mesh (vertices, and mid-edge nodes at order 2) lie on the true edge of the plate; the
-chords between them do not. A quintic spline through the nodes of each smooth piece gives tangents,
-curvature and the shape of every edge to high order, so that supports can be imposed on the edge
-itself: on the chords a simply supported curved edge would be clamped in the limit (the paradox of
+chords between them do not. A quintic spline through the nodes of each smooth piece, or the circle that they
+lie on, gives tangents, curvature and the shape of every edge to high order, so that supports can be imposed
+on the edge itself: on the chords a simply supported curved edge would be clamped in the limit (the paradox of
 Babuska, see Babuska & Pitkaranta, SIAM J. Math. Anal. 21 (1990) 551-576).
 
 Symbols
 -------
 gamma(s)   an edge as a curve, s in [0, 1] from its lower to its higher vertex
-delta(s)   gamma(s) minus the chord  =  s (1 - s) phi(s), phi a cubic
+delta(s)   gamma(s) minus the chord  =  s (1 - s) phi(s), phi a cubic, on arcs of circles of degree 7
 """
 
 from __future__ import annotations
@@ -17,11 +17,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
+from kshell.plate.circles import COEFFICIENTS, angles_of_arc, arc_derivatives, arc_shapes
 from kshell.plate.splines import spline_derivatives
 
 Floats = NDArray[np.float64]
@@ -30,6 +32,9 @@ Ints = NDArray[np.int32]
 SHARPEST_SMOOTH_TURN = np.radians(70.0)
 GENTLEST_CORNER = np.radians(12.0)
 STRAIGHT = 1e-9
+CUBIC = 4  # coefficients of phi of a spline
+# from coefficients of a polynomial of s to those of the same one of 1 - s
+BACKWARDS = np.array([[(-1.0) ** j * comb(k, j) for k in range(COEFFICIENTS)] for j in range(COEFFICIENTS)])
 UNEVEN = 0.02  # relative difference of the lengths of neighbouring edges
 REFITS = 2
 KEPT = 8  # sets of edges of a mesh whose shapes are kept
@@ -49,8 +54,8 @@ class EdgeCurves:
         is smooth both neighbouring edges have the same tangent; at a corner each has its own.
     curvature : (n, end, 2) array
         Second derivative of the curve by arc length, a vector across the tangent.
-    shape : (n, 4, 2) array
-        Coefficients of phi(s) in 1, s, s^2, s^3.
+    shape : (n, k, 2) array
+        Coefficients of phi(s) in 1, s, s^2, ...: four, or eight where an edge of the set is an arc of a circle.
     sharpest : float
         Largest turn (radians) of the mesh lines that was taken as part of a smooth curve.
     sharpest_at : (2,) array
@@ -69,13 +74,19 @@ class EdgeCurves:
 
     def deviation(self, place: NDArray[np.integer], s: Floats, order: int = 0) -> Floats:
         """delta(s) of some edges, or its first or second derivative by s: (n, point, 2)."""
-        power = np.arange(6)
-        c = np.zeros((len(place), 6, 2))  # s phi(s) - s^2 phi(s)
-        c[:, 1:5] += self.shape[place]
-        c[:, 2:6] -= self.shape[place]
+        n = self.shape.shape[1]
+        power = np.arange(n + 2)
+        c = np.zeros((len(place), n + 2, 2))  # s phi(s) - s^2 phi(s)
+        c[:, 1:-1] += self.shape[place]
+        c[:, 2:] -= self.shape[place]
         for _ in range(order):
             c = c[:, 1:] * power[1 : c.shape[1], None]
         return np.einsum("qk,nkx->nqx", s[:, None] ** np.arange(c.shape[1]), c)
+
+    @cached_property
+    def arcs(self) -> NDArray[np.bool_]:
+        """(n,) whether an edge is an arc of a circle."""
+        return np.asarray(self.shape[:, CUBIC:].any(axis=(1, 2)))
 
     @cached_property
     def curved(self) -> NDArray[np.bool_]:
@@ -109,7 +120,8 @@ def edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
 def _edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
     """The same for edges in ascending order."""
     n = len(edges)
-    out = EdgeCurves(edges, np.zeros((n, 2, 2)), np.zeros((n, 2, 2)), np.zeros((n, 4, 2)), 0.0, np.zeros(2))
+    shape = np.zeros((n, COEFFICIENTS, 2))
+    out = EdgeCurves(edges, np.zeros((n, 2, 2)), np.zeros((n, 2, 2)), shape, 0.0, np.zeros(2))
     if n == 0:
         return out
     sharpest, where = 0.0, np.zeros(2)
@@ -117,16 +129,21 @@ def _edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
         turn, place = _fit_line(mesh, out, line, forward, closed)
         if turn > sharpest:
             sharpest, where = turn, place
-    return EdgeCurves(edges, out.tangent, out.curvature, out.shape, sharpest, where)
+    if not shape[:, CUBIC:].any():
+        shape = shape[:, :CUBIC]
+    return EdgeCurves(edges, out.tangent, out.curvature, shape, sharpest, where)
 
 
 def joined_curves(one: EdgeCurves, other: EdgeCurves) -> EdgeCurves:
     """Two sets of edges as one."""
     order = np.argsort(np.concatenate([one.edges, other.edges]))
-    edges, tangent, curvature, shape = (
+    edges, tangent, curvature = (
         np.concatenate([getattr(one, name), getattr(other, name)])[order]
-        for name in ("edges", "tangent", "curvature", "shape")
+        for name in ("edges", "tangent", "curvature")
     )
+    most = max(one.shape.shape[1], other.shape.shape[1])
+    shapes = [np.pad(x.shape, ((0, 0), (0, most - x.shape.shape[1]), (0, 0))) for x in (one, other)]
+    shape = np.concatenate(shapes)[order]
     worse = one if one.sharpest >= other.sharpest else other
     return EdgeCurves(edges, tangent, curvature, shape, worse.sharpest, worse.sharpest_at)
 
@@ -203,16 +220,21 @@ def _fit_line(
     periodic = closed and not len(breaks)
     derivatives = np.empty((len(line), 2, 2, 2))  # (edge, end, first or second by own parameter, xy)
     straight = np.zeros(len(line), dtype=bool)
+    theta = np.zeros(len(line))
     for a, b in pairwise(bounds):
         run, place = nodes[a : b + 1], slice(a // step, b // step)
         straight[place] = _is_straight(run, rounding)
-        derivatives[place] = (
-            _straight_derivatives(run, step)
-            if straight[place].any()
-            else _spline_derivatives(run, step, periodic)
-        )
+        if straight[place].any():
+            derivatives[place] = _straight_derivatives(run, step)
+            continue
+        angles = angles_of_arc(run, step, rounding)
+        if angles is None:
+            derivatives[place] = _spline_derivatives(run, step, periodic)
+        else:
+            theta[place] = angles
+            derivatives[place] = arc_derivatives(np.diff(run[::step], axis=0), angles)
     joint = jump[::step] & ~corner[::step]
-    _store(out, line, forward, nodes[::step], derivatives, straight, joint, closed)
+    _store(out, line, forward, nodes[::step], derivatives, straight, theta, joint, closed)
     return float(smooth[worst]), nodes[worst * step] + origin
 
 
@@ -364,6 +386,7 @@ def _store(
     vertices: Floats,
     derivatives: Floats,
     straight: NDArray[np.bool_],
+    theta: Floats,
     joint: NDArray[np.bool_],
     closed: bool,
 ) -> None:
@@ -378,7 +401,11 @@ def _store(
     value0, value1 = first[:, 0] - chord, chord - first[:, 1]
     slope0, slope1 = second[:, 0] / 2 + value0, -second[:, 1] / 2 - value1
     rise = value1 - value0
-    shape = np.stack([value0, slope0, 3 * rise - 2 * slope0 - slope1, slope0 + slope1 - 2 * rise], axis=1)
+    cubic = np.stack([value0, slope0, 3 * rise - 2 * slope0 - slope1, slope0 + slope1 - 2 * rise], axis=1)
+    shape = np.pad(cubic, ((0, 0), (0, COEFFICIENTS - CUBIC), (0, 0)))
+    arc = theta != 0.0
+    if arc.any():
+        shape[arc] = arc_shapes(chord[arc], theta[arc])
     flat = (np.abs(shape).max(axis=(1, 2)) < STRAIGHT * np.linalg.norm(chord, axis=1)) | straight
     shape[flat] = 0.0
     curvature[flat] = 0.0
@@ -398,8 +425,5 @@ def _store(
     tangent[back] = -tangent[back, ::-1]
     curvature[back] = curvature[back, ::-1]
     # phi(1 - s): delta keeps its value when the edge is walked backwards
-    c = shape[back]
-    shape[back] = np.stack(
-        [c.sum(1), -(c[:, 1] + 2 * c[:, 2] + 3 * c[:, 3]), c[:, 2] + 3 * c[:, 3], -c[:, 3]], axis=1
-    )
+    shape[back] = BACKWARDS @ shape[back]
     out.tangent[line], out.curvature[line], out.shape[line] = tangent, curvature, shape

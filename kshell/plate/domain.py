@@ -183,7 +183,7 @@ class Domain:
         return self._curved_patches[key]
 
     def _make_curved_patch(self, block: Ints, degree: int) -> Patch:
-        xi, w = triangle_rule(degree + 8)  # the Jacobian of the curved map is of degree 8
+        xi, w = triangle_rule(degree + 8)  # the Jacobian of the curved map is of degree 8, of arcs nearly so
         affine = self.affine(block)
         shift, gradient = self._bulge(block, xi)
         xy = affine.corners[:, None, 0] + xi @ np.swapaxes(affine.jacobian, 1, 2) + shift
@@ -215,8 +215,10 @@ class Domain:
                     continue
                 s = (1 + barycentric[:, b] - barycentric[:, a]) / 2
                 shape = curves.shape[place[chosen]]
-                phi = np.einsum("qk,nkx->nqx", powers(s, 3), shape)
-                slope = np.einsum("qk,nkx->nqx", powers(s, 2) * np.array([1.0, 2.0, 3.0]), shape[:, 1:])
+                last = shape.shape[1] - 1
+                phi = np.einsum("qk,nkx->nqx", powers(s, last), shape)
+                by_s = powers(s, last - 1) * np.arange(1.0, last + 1)
+                slope = np.einsum("qk,nkx->nqx", by_s, shape[:, 1:])
                 product = barycentric[:, a] * barycentric[:, b]
                 d_product = (
                     barycentric[:, a, None] * GRADIENTS[b] + barycentric[:, b, None] * GRADIENTS[a]

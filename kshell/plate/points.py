@@ -104,5 +104,5 @@ class PlatePoints:
 def _deviation(domain: Domain, place: Ints, s: Floats) -> Floats:
     """(n, 2) from chord to curve, each edge at its own s."""
     shape = domain.curves.shape[place]
-    phi = ((shape[:, 3] * s[:, None] + shape[:, 2]) * s[:, None] + shape[:, 1]) * s[:, None] + shape[:, 0]
+    phi = ((s[:, None] ** np.arange(shape.shape[1]))[..., None] * shape).sum(axis=1)
     return (s * (1 - s))[:, None] * phi

@@ -58,6 +58,8 @@ class PlateProblem:
     structure : Structure
         Its mesh in a plane of constant z.
     element : PlateElement
+    curved : bool, optional
+        Whether the domain follows a curved boundary; as the element does, if not given.
 
     Raises
     ------
@@ -65,7 +67,7 @@ class PlateProblem:
         If a support, load, material or thickness does not fit, or the plate is not held.
     """
 
-    def __init__(self, structure: Structure, element: PlateElement) -> None:
+    def __init__(self, structure: Structure, element: PlateElement, curved: bool | None = None) -> None:
         self.structure, self.mesh, self.section = structure, structure.space, structure.section
         self.element = element
         plate_problems(self.mesh)
@@ -73,7 +75,7 @@ class PlateProblem:
         quintic = element.maxdeg > 2
         self.lines = inner_lines(structure) if quintic else None
         followed = None if self.lines is None else np.flatnonzero(self.lines.lines)
-        self.domain = Domain(self.mesh, quintic, followed)
+        self.domain = Domain(self.mesh, quintic if curved is None else curved, followed)
         fans = None if self.lines is None else make_fans(self.domain, self.lines)
         self.layout = Layout(self.mesh, element, fans, self.domain.bent)
         self.bending = Bending(self.domain, element, self.section)
@@ -220,7 +222,9 @@ class PlateProblem:
     @cached_property
     def corner_angles(self) -> dict[int, float]:
         """Interior angle at each corner of the boundary."""
-        known = self.domain.boundary if self.element.maxdeg > 2 else None  # Morley keeps to the chords
+        known = (
+            self.domain.boundary if len(self.domain.boundary.edges) else None
+        )  # Morley keeps to the chords
         return corner_angles(self.mesh, known)
 
     def drift(self, largest: float, loads: Loads, left: float) -> list[str]:

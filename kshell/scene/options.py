@@ -183,8 +183,8 @@ class SolveOptions:
         The Kirchhoff plate in bending, or the Koiter shell: bending and stretching together.
     element : "auto", "morley", "argyris", "hhj" or "koiter"
         Morley: quadratic plates, cheap. Argyris: of degree five, plates and charts, accurate where the solution
-        is smooth. HHJ: plates with straight edges, of any order, moments in equilibrium. Koiter: shells on any
-        surface, and flat ones; with model = "plate" the same as "hhj".
+        is smooth. HHJ: plates, of any order, moments in equilibrium. Koiter: shells on any surface, and flat ones;
+        with model = "plate" the same as "hhj".
     order : "auto", 1, 2, ... 8
         Of the Koiter element, up to 3, and of HHJ plates.
     large_deflection : "auto", True or False

@@ -78,6 +78,35 @@ def disk(rings: int, order: int = 1, radius: float = 1.0) -> Mesh:
     return Mesh(mesh.points, mesh.triangles, middle, mesh.groups)
 
 
+def annulus(rings: int, around: int, hole: float = 0.4) -> Mesh:
+    """A ring of outer radius 1; groups inner, outer and plate."""
+    angle = 2 * np.pi * np.arange(around) / around
+    radius = np.linspace(hole, 1.0, rings + 1)[:, None]
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=2).reshape(-1, 2)
+    a = np.arange(len(points)).reshape(rings + 1, around)
+    b = np.roll(a, -1, axis=1)
+    cells = np.stack([a[:-1], a[1:], b[1:], b[:-1]], axis=2).reshape(-1, 4)
+    triangles = np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
+    lines = {"inner": np.stack([a[0], b[0]], axis=1), "outer": np.stack([a[-1], b[-1]], axis=1)}
+    return Mesh.from_arrays(points, triangles, {**lines, "plate": triangles})
+
+
+def ellipse(rings: int, order: int = 1, long: float = 1.5) -> Mesh:
+    """The same stretched along x."""
+    mesh = disk(rings, order)
+    stretch = np.array([long, 1.0, 1.0])
+    middle = None if mesh.midpoints is None else mesh.midpoints * stretch
+    return Mesh(mesh.points * stretch, mesh.triangles, middle, mesh.groups)
+
+
+def ellipse_centre(long: float = 1.5) -> float:
+    """Deflection of the centre of a clamped ellipse, q = D = 1 (Timoshenko & Woinowsky-Krieger, section 71).
+
+    The strain energy is pi long / 6 times as much.
+    """
+    return 1.0 / (24.0 / long**4 + 16.0 / long**2 + 24.0)
+
+
 def solve(
     mesh: Mesh, supports: list[Any], loads: list[Any], element: str = "argyris", **scene: Any
 ) -> Result:

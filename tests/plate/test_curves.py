@@ -8,7 +8,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.plate import curves
 from kshell.plate.curves import edge_curves
 from kshell.plate.domain import Domain
-from tests.plate.plates import disk, rectangle
+from tests.plate.plates import disk, ellipse, rectangle
 
 
 def fan(angles, radius=lambda a: 1.0, centre=(5.0, -2.0), stretch=(2.0, 1.0)):
@@ -22,9 +22,27 @@ def fan(angles, radius=lambda a: 1.0, centre=(5.0, -2.0), stretch=(2.0, 1.0)):
 
 
 @pytest.mark.parametrize("order", [1, 2])
-def test_area_of_a_disk_converges_with_order_six(order):
-    errors = [abs(Domain(disk(rings, order), curved=True).area / np.pi - 1) for rings in (3, 6)]
-    assert errors[0] < 1e-5
+def test_a_disk_is_known_by_its_nodes(order):
+    for rings in (1, 3):
+        domain = Domain(disk(rings, order), curved=True)
+        assert domain.area == pytest.approx(np.pi, rel=1e-11)
+        assert domain.curves.arcs.all()
+        s = np.linspace(0, 1, 9)
+        on = domain.edge_points(domain.curves.edges, s, s)
+        assert np.hypot(*on.xy.reshape(-1, 2).T) == pytest.approx(np.ones(9 * 6 * rings), abs=1e-11)
+        assert np.linalg.norm(on.curvature, axis=2) == pytest.approx(1.0, abs=1e-8)
+
+
+def test_four_nodes_on_a_circle_may_be_on_an_ellipse_too():
+    angles = 0.5 * np.pi * np.arange(4) + 0.25 * np.pi
+    mesh = fan(angles, stretch=(1.2, 1.0))
+    assert not edge_curves(mesh, mesh.boundary_edges).arcs.any()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_area_of_an_ellipse_converges_with_order_six(order):
+    errors = [abs(Domain(ellipse(rings, order), curved=True).area / (1.5 * np.pi) - 1) for rings in (3, 6)]
+    assert errors[0] < 1e-3
     assert errors[1] < errors[0] / 50
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import kshell as ks
 from kshell.analysis.models import model_of
 from tests.plate.hhj_cases import MATERIAL, square
-from tests.plate.plates import disk
+from tests.plate.plates import annulus, disk
 
 STRIP = ks.Isotropic(E=12.0, nu=0.0, density=1.0)  # D = 1
 
@@ -123,11 +125,93 @@ def test_refusals():
         ks.solve(scene([*clamped, ks.Clamped((1.0, 0.5, 0.0))], load, n=2), element="hhj")
     with pytest.raises(ks.InputError, match="not held"):
         ks.solve(scene([], load, n=2), element="hhj")
-    round_plate = ks.Scene(
-        mesh=disk(3), thickness=1.0, material=MATERIAL, supports=[ks.Clamped("edge")], loads=load
-    )
-    with pytest.raises(ks.InputError, match="curved near"):
-        ks.solve(round_plate, element="hhj")
     varying = ks.Scene(mesh=square(2), thickness="1+x", material=MATERIAL, supports=clamped, loads=load)
     with pytest.raises(ks.InputError, match="thickness varies"):
         ks.solve(varying, element="hhj")
+
+
+@pytest.mark.parametrize("kind", [ks.Clamped, ks.SimplySupported])
+def test_disks_are_right_to_rounding(kind):
+    """The deflection is a quartic, which order 4 has on the true disk; every triangle but the inner ones has an arc."""
+    made = ks.Scene(
+        mesh=disk(2),
+        thickness=1.0,
+        material=MATERIAL,
+        supports=[kind("edge")],
+        loads=[ks.Pressure(1.0)],
+        probes={"centre": (0.0, 0.0, 0.0), "rim": (1.0, 0.0, 0.0)},
+    )
+    found = ks.solve(made, element="hhj", order=5, large_deflection=False)
+    clamped = kind is ks.Clamped
+    centre = 1 / 64 if clamped else 5.3 / 1.3 / 64
+    assert found.probe("centre")["u"][2] == pytest.approx(centre, rel=1e-11)
+    assert found.probe("centre")["M"][0] == pytest.approx((1.3 if clamped else 3.3) / 16, rel=1e-10)
+    rim = [-1 / 8, -0.3 / 8, 0] if clamped else [0, 0.7 / 8, 0]
+    assert found.probe("rim")["M"] == pytest.approx(rim, abs=1e-8)
+    assert found.reactions["edge"]["force"] == pytest.approx([0, 0, -np.pi], abs=1e-10)
+    assert found.balance < 1e-11
+    assert found.error["budget"]["geometry"] == 0.0
+
+
+ROUND = {
+    "free hole": ([ks.Clamped("outer")], [ks.Pressure("exp(x)*cos(3*y)")]),
+    "line force": ([ks.Clamped("outer")], [ks.LineForce("inner", (0, 0, "1+x"))]),
+    "edge moments": (
+        [ks.SimplySupported("outer")],
+        [ks.EdgeMoment("inner", "1+x"), ks.EdgeMoment("outer", 1.0)],
+    ),
+    "springs": ([ks.Elastic("outer", 30.0, "zr"), ks.Elastic("plate", "20+x", "z")], [ks.Pressure("1+x")]),
+    "moved": (
+        [ks.SimplySupported("outer"), ks.Fixed("inner", "zr", value=(0, 0, "0.1*x"))],
+        [ks.Pressure(1.0)],
+    ),
+    "turned": ([ks.SimplySupported("outer"), ks.Fixed("inner", "r", rotation="1+x")], []),
+    "curvature": ([ks.SimplySupported("outer")], [ks.InitialCurvature((0.1, 0.2, "0.1*x"))]),
+}
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_annuli_as_argyris_has_them(name):
+    """All that acts on curved edges; energies of work and strain, and loads and reactions, belong together."""
+    supports, loads = ROUND[name]
+
+    def answer(rings, around, **options):
+        made = ks.Scene(
+            mesh=annulus(rings, around),
+            thickness=1.0,
+            material=MATERIAL,
+            supports=supports,
+            loads=loads,
+            probes={"p": (0.5, 0.35, 0.0)},
+        )
+        return ks.solve(made, large_deflection=False, error="off", **options)
+
+    argyris = answer(4, 24, element="argyris")
+    found = answer(2, 12, element="hhj", order=6)
+    for quantity, off in (("u", 2e-5), ("rotation", 2e-4), ("M", 1e-2)):
+        expected = argyris.probe("p")[quantity]
+        assert np.abs(found.probe("p")[quantity] - expected).max() < off * np.abs(expected).max()
+    assert found.strain_energy == pytest.approx(argyris.strain_energy, rel=2e-5)
+    assert found.balance < 1e-10
+    if name != "curvature":  # which is stored without work of loads
+        assert found.external_work == pytest.approx(found.strain_energy, rel=1e-10)
+
+
+def test_a_free_curved_edge_turns_without_strain():
+    """Held at three points and moved by a plane: cubics, whose slopes along arcs are no polynomials."""
+    points = [(1.0, 0.0, 0.0), (-0.5, 3**0.5 / 2, 0.0), (-0.5, -(3**0.5) / 2, 0.0)]
+    held = [ks.Fixed(at, "z", value=(0, 0, 0.3 + 0.1 * at[0] - 0.2 * at[1])) for at in points]
+    made = ks.Scene(mesh=disk(2), thickness=1.0, material=MATERIAL, supports=held, loads=[])
+    found = ks.solve(made, element="hhj", order=3, large_deflection=False)
+    x, y = found.mesh.points[:, :2].T
+    assert found.fields["displacement"][:, 2] == pytest.approx(0.3 + 0.1 * x - 0.2 * y, abs=1e-12)
+    assert np.abs(found.fields["moment"]).max() < 1e-11
+
+
+def test_a_ring_from_a_file():
+    """meshes/annulus.toml by this element, beside the scene as it stands."""
+    scene = ks.Scene.load(Path(__file__).parents[2] / "meshes" / "annulus.toml")
+    found = ks.solve(scene, element="hhj", order=5, large_deflection=False, error="off")
+    known = ks.solve(scene, element="argyris", large_deflection=False, error="off")
+    assert found.strain_energy == pytest.approx(known.strain_energy, rel=1e-5)
+    assert found.balance < 1e-9

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
+from kshell.plate.domain import Domain
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -34,6 +35,12 @@ GRADIENTS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the hats on t
 
 class Triangles:
     """The triangles of a flat mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+    domain : Domain, optional
+        With the true shape of curved edges; without it all edges are their chords.
 
     Attributes
     ----------
@@ -49,8 +56,8 @@ class Triangles:
     lengths : (T, 3), normals : (T, 3, 2), outward : (T, 3) s
     """
 
-    def __init__(self, mesh: Mesh) -> None:
-        self.mesh = mesh
+    def __init__(self, mesh: Mesh, domain: Domain | None = None) -> None:
+        self.mesh, self.domain = mesh, domain
         order = self.order = np.argsort(mesh.triangles, axis=1)
         self.corners: Ints = np.take_along_axis(mesh.triangles, order, axis=1).astype(np.int64)
         own = FACING[3 - order[:, EDGE_VERTICES].sum(axis=2)]  # the mesh's local edge at each place here

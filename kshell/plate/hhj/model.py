@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 from kshell.elements.morley import ElementMorley
 from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError, SolveError
-from kshell.mesh.words import place
 from kshell.plate.answer import NODAL_VALUES, UNBALANCED, Above, cell_fields, vertex_fields
-from kshell.plate.curves import edge_curves
 from kshell.plate.hhj import translate
+from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.recovery import HHJFields, reactions, work_of_supports
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
@@ -32,7 +31,7 @@ Floats = NDArray[np.float64]
 
 
 class HHJModel(Model):
-    """A Kirchhoff plate with straight edges; x are w at vertices, bubbles of w and slopes of the edges.
+    """A Kirchhoff plate; x are w at vertices, bubbles of w and slopes of the edges.
 
     Parameters
     ----------
@@ -45,7 +44,7 @@ class HHJModel(Model):
     Raises
     ------
     InputError
-        If a support, load, material or thickness does not fit, an edge is curved, or the plate is not held.
+        If a support, load, material or thickness does not fit, or the plate is not held.
     """
 
     kind: ClassVar[Literal["plate", "shell"]] = "plate"
@@ -53,27 +52,20 @@ class HHJModel(Model):
 
     def __init__(self, structure: Structure, order: int, reasons: Sequence[str] = ()) -> None:
         self.structure, self.order, self.reasons = structure, order, list(reasons)
-        self.problem = PlateProblem(
-            structure, ElementMorley()
-        )  # reads the scene's words, and is never assembled
-        mesh = self.problem.mesh
-        curves = edge_curves(mesh, mesh.boundary_edges)
-        if curves.curved.any():
-            bent = curves.edges[int(np.abs(curves.shape).max(axis=(1, 2)).argmax())]
-            raise InputError(
-                f"the boundary is curved near {place(mesh.points[mesh.edges[bent]].mean(axis=0))}: the element hhj "
-                "takes straight edges only, and on chords a supported edge would be clamped in the limit; use "
-                'element = "argyris"'
-            )
+        # reads the scene's words, and is never assembled
+        self.problem = PlateProblem(structure, ElementMorley(), curved=True)
         if not structure.section.constant_per_triangle:
             raise InputError(
                 "the thickness varies inside triangles: the element hhj takes one thickness per group; use "
                 'element = "argyris"'
             )
-        self.triangles = Triangles(mesh)
+        domain = self.problem.domain
+        curved = len(domain.curved_triangles) > 0
+        self.triangles = Triangles(self.problem.mesh, domain if curved else None)
         self.loads: Loads = self.problem.loads
         self._systems: dict[str, HHJSystem] = {}
         self._held = translate.held(self.triangles, order, self.problem.supports)
+        self.arcs = Arcs(self.triangles, order, self._held.slopes) if curved else None
 
     def system(self, solver: str = "auto") -> HHJSystem:
         """The factorised system, made once for each solver.
@@ -87,10 +79,10 @@ class HHJModel(Model):
             raise InputError('solver = "multigrid" is for Morley and Argyris plates: leave it out')
         method = "direct" if solver == "auto" else solver
         if method not in self._systems:
-            springs = translate.springs(self.triangles, self.order, self.problem.supports)
+            springs = translate.springs(self.triangles, self.order, self.problem.supports, self.arcs)
             stiffness = translate.bending_stiffness(self.structure.section)
             self._systems[method] = HHJSystem(
-                self.triangles, self.order, stiffness, self._held, springs, method
+                self.triangles, self.order, stiffness, self._held, springs, method, self.arcs
             )
         return self._systems[method]
 

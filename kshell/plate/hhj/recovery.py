@@ -28,7 +28,7 @@ class HHJFields(Fields):
     Parameters
     ----------
     problem : PlateProblem
-        That the words of the scene were read for; its domain with straight edges.
+        That the words of the scene were read for.
     system : HHJSystem
     solution : HHJSolution
     """
@@ -39,6 +39,8 @@ class HHJFields(Fields):
         )
         self.system, self.solution = system, solution
         self.polynomial_moments = True
+        arcs = system.arcs
+        self.local = solution.local if arcs is None else arcs.coefficients(solution.local)
 
     def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
         """w (order 0) or its gradient (1) at reference points of the mesh's triangles: (n, point, partial)."""
@@ -47,7 +49,7 @@ class HHJFields(Fields):
         t = self.system.tables
 
         def evaluate(chosen: Ints, own: Floats) -> Floats:
-            local = self.solution.local[chosen]
+            local = self.local[chosen]
             if order == 0:
                 return (t.inside(own) @ local[..., None])[..., 0][..., None]
             reference = (t.gradients(own) @ local[:, None, :, None])[..., 0]
@@ -117,6 +119,34 @@ def _exerted(system: HHJSystem, solution: HHJSolution) -> tuple[Floats, list[Flo
     return residual, spring_forces
 
 
+def _along_arcs(
+    system: HHJSystem,
+    solution: HHJSolution,
+    residual: Floats,
+    motions: Floats,
+    lifting: Floats,
+    turning: Floats,
+) -> None:
+    """Work (edge, 3) of what curved edges lack to equilibrium on rigid motions (vertex, 3), of bubbles and slopes.
+
+    Slopes that are held follow rigid motions to the order of the element only; what they miss strains the triangle,
+    and its work against the strains there is the moments' on that difference.
+    """
+    arcs, numbering, t = system.arcs, system.numbering, system.tables
+    assert arcs is not None
+    rigid = motions[system.triangles.corners[arcs.triangles]]  # (c, vertex, 3)
+    planes = arcs.planes @ rigid
+    strains = solution.strains[arcs.triangles].reshape(len(rigid), 1, -1)
+    missed = (strains @ (system.arc_planes @ rigid))[:, 0] / np.maximum(arcs.pure.sum(axis=1), 1)[:, None]
+    for edge in range(3):
+        here = np.flatnonzero(arcs.bent[:, edge])
+        number = system.triangles.edges[arcs.triangles[here], edge]
+        for part, out in ((t.bubbles(edge), lifting), (t.slopes(edge), turning)):
+            left = residual[numbering.outer[arcs.triangles[here], part]]
+            out[number] = (left[:, None] @ planes[here, part])[:, 0]
+        turning[number] -= missed[here] * arcs.pure[here, edge, None]
+
+
 def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution) -> Reactions:
     """Forces of the supports on the plate, by the work of what is left over on rigid motions."""
     mesh, triangles, numbering = problem.mesh, system.triangles, system.numbering
@@ -131,28 +161,37 @@ def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: 
     turns = np.stack([np.zeros(len(tangent)), -tangent[:, 0], -tangent[:, 1]], axis=1)  # n of w = y, -x
     turns *= mesh.edge_lengths[:, None]
     first = residual[numbering.slope_start :: system.order][: numbering.edges]
+    turning = first[:, None] * turns  # (edge, 3) of the slopes
+    lifting = np.zeros_like(turning)  # of the bubbles, along arcs
+    if system.arcs is not None:
+        _along_arcs(system, solution, residual, motions, lifting, turning)
 
     groups = problem.supports.held
     corners = [np.unique(np.concatenate([g.points, mesh.edges[g.line].ravel()])) for g in groups]
     share = np.zeros(len(points))
-    share_edges = np.zeros(len(mesh.edges))
+    share_edges, share_lines = np.zeros(len(mesh.edges)), np.zeros(len(mesh.edges))
     for vertices, group in zip(corners, groups, strict=True):
         share[vertices] += 1.0
         share_edges[group.edges] += 1.0
+        share_lines[group.line] += 1.0
     totals: dict[str, Floats] = {}
     for vertices, group in zip(corners, groups, strict=True):
         force = (residual[vertices] / share[vertices]) @ motions[vertices]
-        force = force + (first[group.edges] / share_edges[group.edges]) @ turns[group.edges]
+        force = force + (turning[group.edges] / share_edges[group.edges, None]).sum(axis=0)
+        force = force + (lifting[group.line] / share_lines[group.line, None]).sum(axis=0)
         totals[group.label] = totals.get(group.label, np.zeros(3)) + force
-    for (label, _), spring, force in zip(
-        problem.supports.springs, system.springs, spring_forces, strict=True
-    ):
+    for spring, force in zip(system.springs, spring_forces, strict=True):
         rigid = np.zeros((len(triangles), system.tables.count, 3))[spring.triangles]
         rigid[:, :3] = motions[triangles.corners[spring.triangles]]
         slopes = triangles.plane_slopes[spring.triangles] @ rigid[:, :3]
         start = system.tables.slopes(0).start
         rigid[:, start : start + 3 * system.order : system.order] = slopes
-        totals[label] = totals.get(label, np.zeros(3)) - (force[:, None] @ rigid)[:, 0].sum(axis=0)
+        if system.arcs is not None:
+            bent = system.arcs.place[spring.triangles] >= 0
+            planes = system.arcs.planes[system.arcs.place[spring.triangles[bent]]]
+            rigid[bent] = planes @ motions[triangles.corners[spring.triangles[bent]]]
+        work = (force[:, None] @ rigid)[:, 0].sum(axis=0)
+        totals[spring.label] = totals.get(spring.label, np.zeros(3)) - work
 
     scale = np.array([1.0, 1.0 / size, 1.0 / size])
     parts = [load.resultant(centre) * scale for load in loads.forms]

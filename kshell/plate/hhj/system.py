@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.numbering import Held, Numbering
 from kshell.plate.hhj.tables import tables
@@ -39,10 +40,13 @@ class Spring:
         A triangle may occur more than once.
     rows : (n, r, m) array
         Roots of stiffness times weight are part of them.
+    label : str
+        Of the support; several may have the same.
     """
 
     triangles: Ints
     rows: Floats
+    label: str = ""
 
     def forces(self, u: Floats) -> Floats:
         """(n, m) what the springs resist local unknowns (T, m) with."""
@@ -108,6 +112,8 @@ class HHJSystem:
         C of m = C (w_xx, w_yy, 2 w_xy).
     held : Held
     springs : list of Spring
+    arcs : Arcs, optional
+        The triangles at curved edges.
     method : str
         Of `kshell.solvers.prepare`, where the system is not small.
 
@@ -125,6 +131,7 @@ class HHJSystem:
         held: Held,
         springs: tuple[Spring, ...] = (),
         method: str = "direct",
+        arcs: Arcs | None = None,
     ) -> None:
         self.triangles, self.order, self.held, self.springs = triangles, order, held, springs
         self.tables = tables(order)
@@ -134,6 +141,11 @@ class HHJSystem:
         self.map = triangles.strain_map(self.factor)
         self.numbering = Numbering(triangles, order, held)
         self.root = np.sqrt(triangles.area)
+        self.arcs = arcs
+        if arcs is not None:
+            self.arc_rows = arcs.rows(self.map, self.factor)
+            # strains of planes, which only slopes that are held cannot follow
+            self.arc_planes = (self.arc_rows @ arcs.planes) * arcs.pure.any(axis=1)[:, None, None]
         outer = self._eliminate()
         self.solver, self.solver_name = _factorise(self.numbering, outer, method)
 
@@ -146,7 +158,11 @@ class HHJSystem:
         """(n, 3 k, m) l of some triangles as a matrix on the local unknowns."""
         t = self.tables
         g = self.map[chosen]
-        return (g.reshape(-1, 12) @ t.rows).reshape(len(g), 3 * t.moments, t.count)
+        out = (g.reshape(-1, 12) @ t.rows).reshape(len(g), 3 * t.moments, t.count)
+        if self.arcs is not None:
+            place = self.arcs.place[chosen]
+            out[place >= 0] = self.arc_rows[place[place >= 0]]
+        return out
 
     def _eliminate(self) -> Floats:
         """(T, o, o) element matrices without the inner unknowns; what takes them out and back is kept."""
@@ -184,12 +200,30 @@ class HHJSystem:
     def strains(self, u: Floats) -> Floats:
         """(T, 3, k) l of local unknowns (T, m)."""
         reference = (self.relative(u) @ self.tables.forward).reshape(len(u), 12, -1)
-        return self.map @ reference
+        out = self.map @ reference
+        if self.arcs is not None:
+            own = u[self.arcs.triangles]
+            bent = own[..., None] - self.arcs.planes @ own[:, :3, None]
+            found = self.arc_rows @ bent + self.arc_planes @ own[:, :3, None]
+            out[self.arcs.triangles] = found.reshape(len(own), 3, -1)
+        return out
 
     def forces(self, strains: Floats) -> Floats:
         """(T, m) l^T of scaled strains (T, 3, k)."""
         reference = self.map.swapaxes(1, 2) @ strains
-        return reference.reshape(len(strains), -1) @ self.tables.forward.T
+        out = reference.reshape(len(strains), -1) @ self.tables.forward.T
+        if self.arcs is not None:
+            own = strains[self.arcs.triangles].reshape(len(self.arc_rows), 1, -1)
+            out[self.arcs.triangles] = (own @ self.arc_rows)[:, 0]
+        return out
+
+    def moments(self, strains: Floats) -> Floats:
+        """(T, k, 3) coefficients of m in psi of strains l."""
+        found = strains.swapaxes(1, 2) / self.root[:, None, None]
+        if self.arcs is not None:
+            own = strains[self.arcs.triangles].swapaxes(1, 2)
+            found[self.arcs.triangles] = np.linalg.solve(self.arcs.low.swapaxes(1, 2), own)
+        return found @ self.factor
 
     def no_load(self) -> Load:
         """A load of zero, to be added to."""
@@ -232,7 +266,7 @@ class HHJSystem:
         """A motion (count,) by itself, without loads."""
         u = self._local(unknowns)
         strains = self.strains(u)
-        moments = strains.swapaxes(1, 2) @ self.factor / self.root[:, None, None]
+        moments = self.moments(strains)
         return HHJSolution(unknowns, u, strains, moments, self.no_load(), 0.0)
 
     def energy(self, solution: HHJSolution) -> float:
@@ -278,7 +312,7 @@ class HHJSystem:
         strains = self.strains(u)
         if load.initial is not None:
             strains = strains - load.initial
-        moments = strains.swapaxes(1, 2) @ self.factor / self.root[:, None, None]
+        moments = self.moments(strains)
         work = float((load.local * u).sum() + load.vertices @ d[: numbering.vertices])
         scale = max(sizes[0], 1e-300)
         return HHJSolution(d, u, strains, moments, load, work, tuple(size / scale for size in sizes))

@@ -16,6 +16,7 @@ from kshell.errors import InputError
 from kshell.material.section import Section
 from kshell.plate.forms import AreaSpring, EdgeSpring, PointSpring
 from kshell.plate.held import Supports
+from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.numbering import Held, edge_coefficients
 from kshell.plate.hhj.system import HHJSystem, Load, Spring
@@ -26,6 +27,7 @@ from kshell.plate.loading import LOAD_DEGREE, AreaLoad, CurvatureLoad, EdgeLoad,
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+BEYOND = 8  # points more along edges that may be curved
 VARYING = 6  # degree of a varying stiffness that is integrated exactly
 
 
@@ -36,7 +38,7 @@ def bending_stiffness(section: Section) -> Floats:
 
 
 def held(triangles: Triangles, order: int, supports: Supports) -> Held:
-    """What supports hold, for a mesh with straight edges."""
+    """What supports hold."""
     mesh = triangles.mesh
     groups = supports.held
     for group in groups:
@@ -70,9 +72,8 @@ def held(triangles: Triangles, order: int, supports: Supports) -> Held:
         own = np.unique(np.concatenate([group.points, mesh.edges[group.line].ravel()])).astype(np.int64)
         at_vertices[own] = group.value(points[own])
         if len(group.line):
-            ends = points[mesh.edges[group.line]]
-            along = ends[:, :1] + s[:, None] * (ends[:, 1:] - ends[:, :1])
-            coefficients = edge_coefficients(group.value(along), at_vertices[mesh.edges[group.line]], order)
+            on_edges = group.value(along(triangles, group.line, s))
+            coefficients = edge_coefficients(on_edges, at_vertices[mesh.edges[group.line]], order)
             size = np.abs(at_vertices).max() + 1e-300
             coefficients[np.abs(coefficients) < 1e-14 * size] = 0.0
             at_edges[group.line] = coefficients
@@ -84,29 +85,37 @@ def _slope_coefficients(triangles: Triangles, order: int, edges: Ints, slope: Of
     """(n, order) of the length times dw/dn, n the edge's own normal, from the derivative along the outward one."""
     s, w = interval_rule(order + 1 + VARYING // 2)
     owner, place = places(triangles, edges)
-    scale = triangles.lengths[owner, place] * triangles.outward[owner, place]
-    projected = (slope(along(triangles, edges, s)) * w) @ legendre(order - 1, s)
-    return scale[:, None] * projected * (2 * np.arange(order) + 1)
+    at = slope(along(triangles, edges, s)) * speeds(triangles, edges, s)
+    projected = (at * w) @ legendre(order - 1, s)
+    return triangles.outward[owner, place][:, None] * projected * (2 * np.arange(order) + 1)
 
 
-def springs(triangles: Triangles, order: int, supports: Supports) -> tuple[Spring, ...]:
+def springs(
+    triangles: Triangles, order: int, supports: Supports, arcs: Arcs | None = None
+) -> tuple[Spring, ...]:
     """Elastic supports as roots of their energies."""
     t, mesh = tables(order), triangles.mesh
     out = []
     for label, form in supports.springs:
         if isinstance(form, AreaSpring):
+            chosen, bent = _divided(form.triangles, arcs)
             xi, w = triangle_rule(2 * order + VARYING)
-            k = form.stiffness(triangles.xy(xi, form.triangles))
-            root = np.sqrt(k * w * triangles.area[form.triangles, None])
-            out.append(Spring(form.triangles, root[..., None] * t.inside(xi)))
+            k = form.stiffness(triangles.xy(xi, chosen))
+            root = np.sqrt(k * w * triangles.area[chosen, None])
+            out.append(Spring(chosen, root[..., None] * t.inside(xi), label))
+            if arcs is not None and len(bent):
+                patch, xi = arcs.patch(arcs.place[bent], 2 * order + VARYING)
+                root = np.sqrt(form.stiffness(patch.xy) * patch.weights)
+                rows = arcs.rows_on_unknowns(bent, root[..., None] * t.inside(xi))
+                out.append(Spring(bent, rows, label))
         elif isinstance(form, EdgeSpring):
-            s, w = interval_rule(order + 1 + VARYING // 2)
+            s, w = interval_rule(order + 1 + VARYING // 2 + (0 if arcs is None else BEYOND))
             owner, place = places(triangles, form.edges)
             k = form.stiffness(along(triangles, form.edges, s))
-            size = triangles.lengths[owner, place][:, None]
+            size = speeds(triangles, form.edges, s)
             root = np.sqrt(k * w * (1.0 / size if form.rotation else size))
-            rows = np.stack([(t.slopes_on_edge if form.rotation else t.on_edge)(e, s) for e in range(3)])
-            out.append(Spring(owner, root[..., None] * rows[place]))
+            rows = root[..., None] * edge_rows(triangles, order, form.edges, s, form.rotation, arcs)
+            out.append(Spring(owner, rows if arcs is None else arcs.rows_on_unknowns(owner, rows), label))
         elif isinstance(form, PointSpring):
             step = len(form.element.vertex_powers)
             local = np.abs(form.rows).argmax(axis=1)
@@ -118,8 +127,8 @@ def springs(triangles: Triangles, order: int, supports: Supports) -> tuple[Sprin
             vertex = mesh.triangles[form.triangles, local // step]
             place = (triangles.corners[form.triangles] == vertex[:, None]).argmax(axis=1)
             rows = np.zeros((len(vertex), 1, t.count))
-            rows[np.arange(len(vertex)), 0, place] = np.sqrt(form.stiffness)
-            out.append(Spring(form.triangles, rows))
+            rows[np.arange(len(vertex)), 0, place] = np.sqrt(form.stiffness)  # a vertex is an unknown itself
+            out.append(Spring(form.triangles, rows, label))
     return tuple(out)
 
 
@@ -135,6 +144,8 @@ def load(system: HHJSystem, forms: list[LinearForm]) -> Load:
             _at_point(system, out, form)
         elif isinstance(form, CurvatureLoad):
             _curvature(system, out, form)
+    if system.arcs is not None:
+        system.arcs.to_unknowns(out.local)
     return out
 
 
@@ -152,13 +163,58 @@ def places(triangles: Triangles, edges: Ints) -> tuple[Ints, Ints]:
 
 def along(triangles: Triangles, edges: Ints, s: Floats) -> Floats:
     """(n, point, 2) points along edges, from the lower to the higher vertex."""
+    if triangles.domain is not None:
+        return triangles.domain.edge_points(edges, s, s).xy
     ends = triangles.mesh.points[triangles.mesh.edges[edges], :2]
     return ends[:, :1] + s[:, None] * (ends[:, 1:] - ends[:, :1])
+
+
+def speeds(triangles: Triangles, edges: Ints, s: Floats) -> Floats:
+    """(n, point) length per s at points along edges."""
+    if triangles.domain is not None:
+        return np.asarray(np.linalg.norm(triangles.domain.edge_motion(edges, s)[0], axis=2))
+    owner, place = places(triangles, edges)
+    return np.repeat(triangles.lengths[owner, place][:, None], len(s), axis=1)
+
+
+def edge_rows(
+    triangles: Triangles, order: int, edges: Ints, s: Floats, slopes: bool, arcs: Arcs | None
+) -> Floats:
+    """(n, point, m) w, or alpha, at points along edges, from coefficients (of `Arcs`) of one triangle at each."""
+    t = tables(order)
+    owner, place = places(triangles, edges)
+    rows = np.stack([(t.slopes_on_edge if slopes else t.on_edge)(edge, s) for edge in range(3)])[place]
+    if arcs is None:
+        return rows
+    in_arcs = arcs.place[owner]
+    for edge in range(3):
+        at = np.flatnonzero((place == edge) & (in_arcs >= 0))
+        at = at[arcs.bent[in_arcs[at], edge]]
+        rows[at] = (arcs.slope_rows if slopes else arcs.deflection_rows)(in_arcs[at], edge, s)
+    return rows
+
+
+def _divided(chosen: Ints | None, arcs: Arcs | None) -> tuple[Ints, Ints]:
+    """Of some triangles those with straight edges, and those at curved ones."""
+    if arcs is None:
+        assert chosen is not None
+        return chosen, np.zeros(0, dtype=np.int64)
+    chosen = np.arange(len(arcs.place)) if chosen is None else np.asarray(chosen, dtype=np.int64)
+    bent = arcs.place[chosen] >= 0
+    return chosen[~bent], chosen[bent]
 
 
 def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
     triangles, t = system.triangles, system.tables
     chosen = np.arange(len(triangles)) if form.triangles is None else form.triangles
+    arcs = system.arcs
+    if arcs is not None:
+        chosen, bent = _divided(chosen, arcs)
+        patch, xi = arcs.patch(
+            arcs.place[bent], system.order + (LOAD_DEGREE if callable(form.pressure) else 0)
+        )
+        weighted = form.values(bent, patch.xy) * patch.weights
+        out.local[bent] += (weighted[:, None] @ t.inside(xi))[:, 0]
     if not callable(form.pressure):
         out.local[chosen] += form.pressure * triangles.area[chosen, None] * t.load
         return
@@ -168,16 +224,16 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
 
 
 def _on_edges(system: HHJSystem, out: Load, form: EdgeLoad) -> None:
-    triangles, t = system.triangles, system.tables
-    s, w = interval_rule(system.order + 1 + LOAD_DEGREE // 2)
+    triangles, arcs = system.triangles, system.arcs
+    s, w = interval_rule(system.order + 1 + LOAD_DEGREE // 2 + (0 if arcs is None else BEYOND))
     owner, place = places(triangles, form.edges)
     value = form.value(along(triangles, form.edges, s)) * w
     if form.moment:  # - m dw/dn, alpha = length dw/dn along the edge's own normal
         value = -value * triangles.outward[owner, place][:, None]
     else:
-        value = value * triangles.lengths[owner, place][:, None]
-    rows = np.stack([(t.slopes_on_edge if form.moment else t.on_edge)(e, s) for e in range(3)])
-    np.add.at(out.local, owner, (value[:, None] @ rows[place])[:, 0])
+        value = value * speeds(triangles, form.edges, s)
+    rows = edge_rows(triangles, system.order, form.edges, s, form.moment, arcs)
+    np.add.at(out.local, owner, (value[:, None] @ rows)[:, 0])
 
 
 def _at_point(system: HHJSystem, out: Load, form: PointLoad) -> None:
@@ -203,4 +259,15 @@ def _curvature(system: HHJSystem, out: Load, form: CurvatureLoad) -> None:
     means = (curvature * w[:, None]).swapaxes(1, 2) @ orthonormal(system.order - 1, xi)  # (n, 3, k)
     if out.initial is None:
         out.initial = np.zeros((len(triangles), 3, system.tables.moments))
-    out.initial[chosen] += system.root[chosen, None, None] * (factor @ means)
+    found = system.root[chosen, None, None] * (factor @ means)
+    arcs = system.arcs
+    if arcs is not None:
+        at = np.flatnonzero(arcs.place[chosen] >= 0)
+        place = arcs.place[chosen[at]]
+        patch, xi = arcs.patch(place, system.order - 1 + LOAD_DEGREE)
+        curvature = form.curvature(chosen[at], patch.xy) * patch.weights[..., None]
+        integrals = curvature.swapaxes(1, 2) @ orthonormal(system.order - 1, xi)  # (n, 3, k)
+        own = factor if factor.ndim == 2 else factor[at]
+        # l = L^-1 of the integrals, along k
+        found[at] = np.linalg.solve(arcs.low[place], (own @ integrals).swapaxes(1, 2)).swapaxes(1, 2)
+    out.initial[chosen] += found

@@ -117,17 +117,13 @@ SMOOTH = [
 ]
 
 # On curved edges Argyris holds the true edge, with consistency terms between its nodes: order 6 and more, with
-# meshes of order 1 and 2 alike because the shape of the edge is rebuilt from the nodes.
+# meshes of order 1 and 2 alike because the shape of the edge is rebuilt from the nodes. Disks under uniform pressure,
+# whose deflection is a quartic and whose edge is known to rounding, have errors of rounding on every mesh.
 CURVED = [
     *(
         Rate(case, "argyris", quantity, refinements, rate, order)
         for order in (1, 2)
         for case, quantity, refinements, rate in (
-            ("disk.clamped.uniform", "w_c", (4, 8), 6),
-            ("disk.clamped.uniform", "compliance", (4, 8), 6),
-            ("disk.ss.uniform", "w_c", (4, 8), 6),
-            ("disk.ss.uniform", "compliance", (4, 8), 6),
-            ("disk.ss.uniform", "Mt_edge", (4, 8), 3.4),
             ("annulus.CC.q.b0.5", "compliance", (3, 6), 8.2),
             ("annulus.SS.q.b0.5", "w_mid", (2, 12), 6.3),
             ("annulus.GS.q.b0.5", "w_in", (2, 8), 6.5),
