@@ -254,7 +254,7 @@ class Solving:
     element: Annotated[
         str | None, typer.Option(metavar="auto|morley|argyris|koiter", help="Which element.")
     ] = None
-    order: Annotated[str | None, typer.Option(metavar="auto|1..8", help="Of koiter and hhj.")] = None
+    order: Annotated[str | None, typer.Option(metavar="auto|1..12", help="Of koiter and hhj.")] = None
     solver: Annotated[
         str | None,
         typer.Option(metavar="auto|direct|multigrid|petsc", help="How the linear system is solved."),

@@ -185,7 +185,7 @@ class SolveOptions:
         Morley: quadratic plates, cheap. Argyris: of degree five, plates and charts, accurate where the solution
         is smooth. HHJ: plates, of any order, moments in equilibrium. Koiter: shells on any surface, and flat ones;
         with model = "plate" the same as "hhj".
-    order : "auto", 1, 2, ... 8
+    order : "auto", 1, 2, ... 12
         Of the Koiter element, up to 3, and of HHJ plates.
     large_deflection : "auto", True or False
         "auto": small deflections first, large ones where they differ by more than 1 %.
@@ -273,7 +273,7 @@ class SolveOptions:
     analysis: Literal["static", "path", "modes", "buckling", "response", "dynamic"] = "static"
     model: Literal["auto", "plate", "shell"] = "auto"
     element: Literal["auto", "morley", "argyris", "hhj", "koiter"] = "auto"
-    order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8] = "auto"
+    order: Literal["auto", 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12] = "auto"
     large_deflection: Annotated[
         Any, BeforeValidator(_large), WithJsonSchema({"enum": ["auto", True, False]})
     ] = "auto"

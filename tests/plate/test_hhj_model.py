@@ -9,6 +9,7 @@ import pytest
 
 import kshell as ks
 from kshell.analysis.models import model_of
+from kshell.verify.cases.meshes import l_shape as graded
 from tests.plate.hhj_cases import MATERIAL, square
 from tests.plate.plates import annulus, disk
 
@@ -215,3 +216,24 @@ def test_a_ring_from_a_file():
     known = ks.solve(scene, element="argyris", large_deflection=False, error="off")
     assert found.strain_energy == pytest.approx(known.strain_energy, rel=1e-5)
     assert found.balance < 1e-9
+
+
+def test_high_orders_on_graded_meshes_resolve_a_corner():
+    """Twice the energy of the clamped L: orders 10 and 12 on unlike meshes, and orders 8 and 10 on the way to them."""
+
+    def twice(cells, layers, order):
+        made = ks.Scene(
+            mesh=graded(cells, layers),
+            thickness=1.0,
+            material=MATERIAL,
+            supports=[ks.Clamped("edge")],
+            loads=[ks.Pressure(1.0)],
+        )
+        return (
+            2 * ks.solve(made, element="hhj", order=order, large_deflection=False, error="off").strain_energy
+        )
+
+    known = 5.59151574e-5
+    assert twice(6, 10, 8) == pytest.approx(known, rel=1e-6)
+    assert twice(6, 12, 10) == pytest.approx(known, rel=6e-8)
+    assert twice(8, 24, 12) == pytest.approx(known, rel=3e-9)

@@ -142,7 +142,7 @@ def test_overrides(override, value_of):
         ("chart={kind = 'cylinder', R = -1}", ["[chart]", "R = -1"]),
         ("solve.number=6", ["[solve]", '"number"', "analysis, model"]),
         ("solve.steps=0", ["steps = 0", "whole number"]),
-        ("solve.order=9", ["order = 9"]),
+        ("solve.order=13", ["order = 13"]),
         ("solve.model=solid", ["'solid'", "'shell'"]),
         ("solve.element=kirchhoff", ["'kirchhoff'", "'koiter'"]),
         ("solve.analysis=creep", ["'creep'", "'path'"]),
