@@ -35,7 +35,7 @@ ORDERS = {"morley": 2, "argyris": 5}
 # order of HHJ plates up to so many triangles: few elements of a high order cost least where the deflection is smooth,
 # meshes of many are graded toward what is not
 HHJ_ORDERS = ((6, 200.0), (5, 2000.0), (4, 20000.0), (3, np.inf))
-LARGEST_KOITER = 3
+LARGEST_KOITER = 4
 # peak memory of a solve with cubics, in bytes per triangle, measured at 5,000 and 10,000 triangles with a reserve
 CUBICS_BYTES = 180e3
 
@@ -448,7 +448,7 @@ def true_shape_order(triangles: int, available: float) -> tuple[int, str]:
     """
     need = CUBICS_BYTES * triangles
     if available is None or need <= SHARE * available:
-        return 3, "order 3: cubics, the most accurate choice on triangles of true shape"
+        return 3, "order 3: cubics, accurate on few triangles of true shape; order = 4 is more so"
     return 2, (
         f"order 2: cubics on {triangles} triangles would take about {need / 1e9:.2g} GB, of {available / 1e9:.2g} GB "
         f"that are left; they would be more accurate on a mesh of {int(SHARE * available / CUBICS_BYTES)} triangles "

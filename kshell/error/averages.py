@@ -28,6 +28,7 @@ from kshell.shell.frames import (
 )
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.numbering import NumberedMesh
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.problem import ShellProblem
 from kshell.shell.reference import first_derivatives, lagrange, lattice
@@ -59,10 +60,7 @@ class Averages:
         mesh = surface.mesh
         degree = max(surface.order - 1, 1)
         nodes = lattice(degree)
-        numbers = [mesh.triangles.astype(np.int64)]
-        if degree == 2:
-            numbers.append(len(mesh.points) + mesh.triangle_edges.astype(np.int64))
-        node = np.concatenate(numbers, axis=1)
+        node = NumberedMesh(mesh, degree).triangle_nodes.astype(np.int64)
         key = _pieces(problem, discretisation)[:, None] * (int(node.max()) + 1) + node
         _, number = np.unique(key.ravel(), return_inverse=True)
         self.number: Ints = number.reshape(node.shape)

@@ -186,7 +186,7 @@ class SolveOptions:
         is smooth. HHJ: plates, of any order, moments in equilibrium. Koiter: shells on any surface, and flat ones;
         with model = "plate" the same as "hhj".
     order : "auto", 1, 2, ... 12
-        Of the Koiter element, up to 3, and of HHJ plates.
+        Of the Koiter element, up to 4, and of HHJ plates.
     large_deflection : "auto", True or False
         "auto": small deflections first, large ones where they differ by more than 1 %.
     tolerance : float, optional [1]

@@ -179,9 +179,9 @@ def regge_interpolation(degree: int) -> tuple[Floats, Floats]:
     return points, np.linalg.solve(square, rows.reshape(len(rows), -1)).reshape(rows.shape)
 
 
-@lru_cache(maxsize=3)
+@lru_cache(maxsize=4)
 def reference_triangle(order: int) -> ReferenceTriangle:
-    """The tables of order 1, 2 or 3."""
+    """The tables of an order from 1 to 4."""
     points, weights = triangle_rule(2 * order)
     edge_points, edge_weights, tangents = edge_quadrature(order)
     normal = np.stack([tangents[:, 1], -tangents[:, 0]])

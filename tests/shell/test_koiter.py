@@ -12,7 +12,7 @@ from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
 from tests.shell.shapes import SHAPES, cylinder, patch, rectangle
 
-ORDERS = (1, 2, 3)
+ORDERS = (1, 2, 3, 4)
 STIFF = Section.isotropic(1.0, 0.3, 0.1)
 LAMINATE = Section.from_stiffness(
     np.array([[3, 1, 0.1], [1, 2, 0.2], [0.1, 0.2, 0.8]]),

@@ -18,7 +18,7 @@ from kshell.shell.section import Section
 from tests.shell.shapes import Model, cylinder, fold, joined, panel, rectangle, sphere
 
 BEAM = Section.isotropic(12.0, 0.0, 1.0)  # bending stiffness 1 per width
-ORDERS = (1, 2, 3)
+ORDERS = (1, 2, 3, 4)
 
 
 def cantilever(order, section=BEAM, lift=None):

@@ -60,7 +60,7 @@ class KoiterDiscretisation(Discretisation):
     ----------
     mesh : Mesh
         In space, or in the parameter plane of a chart.
-    order : 1, 2 or 3
+    order : 1, 2, 3 or 4
     lift : function or None
         From parameters to the chart.
     hinges : (n,) int array

@@ -28,7 +28,7 @@ class KoiterModel(ShellModel):
     Parameters
     ----------
     structure : Structure
-    order : 1, 2 or 3
+    order : 1, 2, 3 or 4
     reasons : sequence of str
         Why this model.
     offsets : (node, 3), optional
@@ -89,7 +89,12 @@ def moved_mesh(mesh: Mesh, order: int, offsets: Floats) -> Mesh:
     if mesh.midpoints is None:
         return replace(mesh, points=points)
     ends = offsets[:count][mesh.edges].sum(axis=1)
-    inner = offsets[count : count + (order - 1) * edges].reshape(edges, order - 1, 3).sum(axis=1)
+    inner = offsets[count : count + (order - 1) * edges].reshape(edges, order - 1, 3)
     # the polynomial of the edge at its middle
-    middle = {1: 0.5 * ends, 2: inner, 3: (9 * inner - ends) / 16}[order]
+    if order == 1:
+        middle = 0.5 * ends
+    elif order == 3:
+        middle = (9 * inner.sum(axis=1) - ends) / 16
+    else:
+        middle = inner[:, order // 2 - 1]
     return replace(mesh, points=points, midpoints=mesh.midpoints + middle)

@@ -121,7 +121,7 @@ class StrainTables:
         return columns.reshape(-1, begin) @ self._pairs
 
 
-@lru_cache(maxsize=3)
+@lru_cache(maxsize=4)
 def strain_tables(order: int) -> StrainTables:
-    """The tables of order 1, 2 or 3."""
+    """The tables of an order from 1 to 4."""
     return StrainTables(reference_triangle(order))

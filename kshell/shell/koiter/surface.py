@@ -32,7 +32,7 @@ class Surface(NumberedMesh):
     mesh : Mesh
         Order 1 or 2; mid-edge nodes give the curved geometry.
     order : int
-        1, 2 or 3.
+        1, 2, 3 or 4.
     lift : callable, optional
         Takes points (n, 3) of the mesh to the surface (n, 3): a chart of a mesh that lies in its
         parameter plane, or a projection onto the exact surface.
@@ -50,7 +50,7 @@ class Surface(NumberedMesh):
     Raises
     ------
     InputError
-        If the order is not 1, 2 or 3, or a triangle is degenerate or folds onto itself.
+        If the order is not 1, 2, 3 or 4, or a triangle is degenerate or folds onto itself.
     """
 
     def __init__(
@@ -61,8 +61,8 @@ class Surface(NumberedMesh):
         hinges: ArrayLike = (),
         offsets: Floats | None = None,
     ) -> None:
-        if order not in (1, 2, 3):
-            raise InputError(f"shell elements have order 1, 2 or 3, not {order}")
+        if order not in (1, 2, 3, 4):
+            raise InputError(f"shell elements have order 1, 2, 3 or 4, not {order}")
         super().__init__(mesh, order, hinges)
         self.reference: ReferenceTriangle = reference_triangle(order)
         self.flat_nodes = self._flat_nodes()

@@ -1,0 +1,56 @@
+"""Koiter elements of order 4 on charts: Scordelis-Lo roof against cubics, estimate of the error, large deflections."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import kshell as ks
+
+
+def roof(n: int) -> ks.Scene:
+    """A quarter of the roof, n by n cells."""
+    angle = np.radians(40.0)
+    mesh = ks.geometry.Plane().parameter_mesh(
+        n, n, ("crown", "free", "middle", "wall"), u_range=(0, angle), v_range=(0, 25)
+    )
+    return ks.Scene(
+        mesh,
+        chart=ks.geometry.Chart.from_expressions("25*sin(u)", "v", "25*cos(u)"),
+        thickness=0.25,
+        material=ks.Isotropic(E=4.32e8, nu=0.0),
+        supports=[ks.Symmetry("crown"), ks.Symmetry("middle"), ks.Fixed("wall", "xz")],
+        loads=[ks.Traction((0, 0, -90.0))],
+        probes={"p": (25 * np.sin(angle), 0, 25 * np.cos(angle))},
+    )
+
+
+# of cubics with 512 triangles and quartics with 128, equal in nine digits
+DEFLECTION, ENERGY = -0.3005924567, 1206.64425
+
+
+def test_quartics_converge_faster_than_cubics():
+    off = []
+    for n in (2, 4):
+        found = ks.solve(roof(n), element="koiter", order=4, large_deflection=False, error="off")
+        off.append(abs(found.strain_energy / ENERGY - 1))
+        assert found.balance < 1e-9
+        assert found.model["order"] == 4
+    assert off[1] < 1e-6
+    assert np.log2(off[0] / off[1]) > 5.5
+    assert found.probe("p")["u"][2] == pytest.approx(DEFLECTION, rel=1e-7)
+
+
+def test_the_estimate_holds_the_error():
+    found = ks.solve(roof(2), element="koiter", order=4, large_deflection=False)
+    half = found.error["probes"]["p"]["u"]["half_width"][2]
+    off = abs(found.probe("p")["u"][2] - DEFLECTION)
+    assert off < half < 100 * off
+
+
+def test_large_deflections_agree_with_cubics():
+    cubic, quartic = (
+        ks.solve(roof(4), element="koiter", order=order, large_deflection=True, error="off")
+        for order in (3, 4)
+    )
+    assert quartic.probe("p")["u"] == pytest.approx(cubic.probe("p")["u"], rel=2e-4, abs=1e-12)
