@@ -26,7 +26,7 @@ from kshell.plate.model import PlateModel
 from kshell.result.result import Result
 from kshell.scene.loads import Pressure
 from kshell.scene.structure import Structure
-from kshell.solvers.critical import CriticalPencil, factors
+from kshell.solvers.critical import CriticalPencil, factors, smallest_positive
 from kshell.solvers.eigenbasis import clusters
 from kshell.solvers.pencil import Spectrum
 
@@ -82,7 +82,9 @@ def analyse(model: Model, run: Run) -> Result:
         result = modal_result(stage.model, stage.found.vectors[:, :count], largest_one=True)
         result.eigen = [entry(value, i) for value, i in zip(values.tolist(), known.of, strict=True)]
     with run.clock.stage("bounds"):
-        warnings = [*_warnings(values), *_bending_before(stage, values, grows, result)]
+        behind = None if np.any(values > 0) else smallest_positive(stage.pencil, float(np.abs(values).min()))
+        looked = values if behind is None else np.append(values, behind)
+        warnings = [*_warnings(values, behind), *_bending_before(stage, looked, grows, result)]
     if count < wanted:
         warnings.append(
             f"only {count} factors exist, not {wanted}: the loads change the stiffness of no more motions"
@@ -153,9 +155,15 @@ def _factors(pencil: CriticalPencil, count: int, fixed: bool) -> Spectrum:
         raise
 
 
-def _warnings(values: Floats) -> list[str]:
+def _warnings(values: Floats, behind: float | None) -> list[str]:
+    """Of factors without a positive one, but for one `behind` them, and of clusters."""
     out = []
-    if not np.any(values > 0):
+    if behind is not None:
+        out.append(
+            f"the {len(values)} factors of smallest size are negative, they belong to reversed loads; the loads as "
+            f"given buckle the structure at the factor {behind:.5g}: a larger count has it in the list"
+        )
+    elif not np.any(values > 0):
         out.append(
             "no factor is positive: the loads as given never buckle the structure, they press nowhere; the factors "
             "found belong to reversed loads"

@@ -33,6 +33,8 @@ AT_PROBES = {
 }
 DIRECTIONS = ["x, xx", "y, yy", "z, xy"]
 MOST_DIFFERENCES = 40
+# load factors, or frequencies, of each case that are shown
+FIRST_OF_CASES = 3
 
 
 def print_result(result: Result, written: Iterable[str], seconds: float) -> None:
@@ -113,16 +115,24 @@ def _print_extremes(out: Console, extremes: Mapping[str, Mapping[str, Any]], tit
 def _print_cases(out: Console, result: Result) -> None:
     """What each case leads to, and the largest of all."""
     names = [name for name in ("deflection", "von_mises", "utilisation") if name in result.extremes]
-    rows = []
+    modes, rows, buckling = 0, [], result.analysis == "buckling"
+    if result.eigen:
+        names, modes = [], min(FIRST_OF_CASES, max(len(case.eigen) for case in result.cases.values()))
     for name, case in result.cases.items():
         added = result.combinations.get(name, {})
         made = " + ".join(f"{factor:g} {part}" for part, factor in added.items()).replace("+ -", "- ")
         known = [number(case.extremes[key]["value"]) if key in case.extremes else "" for key in names]
+        known += [_eigenvalue(entry, buckling) for entry in case.eigen[:modes]] + [""] * (
+            modes - len(case.eigen)
+        )
         rows.append([name, *([made] if result.combinations else []), *known])
     combined = ["combination of"] if result.combinations else []
     heads = ["case", *combined, *(key.replace("_", " ") for key in names)]
-    out.print(table(heads, rows, "Load cases, largest values", len(names)))
-    _print_extremes(out, result.envelope.extremes, "Envelope")
+    heads += [f"{'factor' if buckling else 'Hz'} {k}" for k in range(1, modes + 1)]
+    title = "Load cases, " + (("load factors" if buckling else "frequencies") if modes else "largest values")
+    out.print(table(heads, rows, title, len(names) + modes))
+    if result.envelope.extremes:
+        _print_extremes(out, result.envelope.extremes, "Envelope")
 
 
 def print_sweep(rows: Sweep, written: Iterable[str]) -> None:
@@ -216,9 +226,7 @@ def _print_modes(out: Console, result: Result) -> None:
     total = result.modal.get("total_mass", [0.0] * 6)
     rows = []
     for place_of, entry in enumerate(result.eigen, 1):
-        what = entry["value"] if buckling else entry["frequency"]
-        words = entry.get("name") or ("unstable" if what is None else f"{what:.7g}")
-        row = [str(place_of), words, _interval(entry, buckling)]
+        row = [str(place_of), _eigenvalue(entry, buckling), _interval(entry, buckling)]
         if not buckling:
             row += [_share(m, t) for m, t in zip(entry["effective_mass"], total, strict=True)]
         rows.append(row)
@@ -229,7 +237,14 @@ def _print_modes(out: Console, result: Result) -> None:
         together = result.modal["effective_mass"]
         rows.append(["", "all", "", *(_share(m, t) for m, t in zip(together, total, strict=True))])
     title = "Load factors" if buckling else "Frequencies, effective masses in %"
+    title += f', case "{result.case}"' if result.case else ""
     out.print(table(heads, rows, title, len(heads)))
+
+
+def _eigenvalue(entry: dict[str, Any], buckling: bool) -> str:
+    """Load factor or frequency, or the name of a rigid motion."""
+    what = entry["value"] if buckling else entry["frequency"]
+    return str(entry.get("name") or ("unstable" if what is None else f"{what:.7g}"))
 
 
 def _print_response(out: Console, result: Result) -> None:

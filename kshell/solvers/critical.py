@@ -32,6 +32,10 @@ Floats = NDArray[np.float64]
 
 # nu against the largest that is rounding: motions whose stiffness the loads do not change
 UNTOUCHED = 1e-9
+# the smallest positive factor is looked for up to so many times the size of those that are known
+REACH = 1e3
+RESTARTS = 30
+SHARP = 1e-7
 # entries of G against those of K that are rounding of a state without stress
 NO_STRESS = 1e-12
 
@@ -104,6 +108,33 @@ def factors(pencil: CriticalPencil, count: int) -> Spectrum:
         found.notes.append(f"that none was missed is not confirmed: {note}")
     found.values, found.vectors = found.values[:count], found.vectors[:, :count]
     return found
+
+
+def smallest_positive(pencil: CriticalPencil, known: float) -> float | None:
+    """The smallest positive load factor, at most REACH times the size `known` of another one; None where none is found.
+
+    It is the reciprocal of the largest nu, with its sign, and may lie behind any number of negative factors.
+
+    Raises
+    ------
+    SolveError
+        If K is not positive definite.
+    """
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+    k, g = pencil.stiffness, pencil.geometric
+    if k.shape[0] <= WHOLE:
+        nu = _whole(k, g)[0]
+    else:
+        solve = factorise_symmetric(k, True).solve
+        inverse = LinearOperator(k.shape, matvec=lambda b: np.asarray(solve(np.ravel(b))), dtype=float)
+        start = inverse @ (g @ np.random.default_rng(1).standard_normal(k.shape[0]))
+        try:
+            nu, _ = eigsh(-g, 1, M=k, Minv=inverse, which="LA", v0=start, ncv=40, maxiter=RESTARTS, tol=SHARP)
+        except ArpackError:  # a cluster at nu = 0: the loads press nowhere
+            return None
+    largest = float(nu.max())
+    return 1.0 / largest if largest * REACH * known > 1.0 else None
 
 
 def _missing(pencil: CriticalPencil, values: Floats, behind: int) -> int | None:

@@ -240,6 +240,16 @@ def test_stretched_plate_says_that_it_does_not_buckle():
     assert any("no factor is positive" in words for words in result.warnings)
 
 
+def test_a_positive_factor_behind_negative_ones_is_told():
+    """f (n^2 - 10 m^2) = (m^2 + n^2)^2: reversed loads for m = 1, 2, 3 and n = 1, as given first for 1 and 5."""
+    result = ks.buckling(square("SSSS", n=12, loads=press(-10, 1)), count=3)
+    assert factors(result) == pytest.approx([-4 / 9, -25 / 39, -100 / 89], rel=1e-5)
+    words = [w for w in result.warnings if "the loads as given buckle the structure at the factor" in w]
+    assert len(words) == 1
+    assert float(words[0].split("factor ")[1].split(":")[0]) == pytest.approx(26**2 / 15, rel=1e-3)
+    assert not any("no factor is positive" in w for w in result.warnings)
+
+
 @pytest.mark.parametrize(
     ("scene", "options", "message"),
     [

@@ -116,3 +116,24 @@ def test_check_of_a_free_plate(scene, capsys):
     assert run(["check", str(scene)]) == 0, capsys.readouterr().err
     assert run(["modes", str(scene), "--count", "2"]) == 0
     assert "translation along z" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("analysis", "head"), [("buckling", "factor 1"), ("modes", "Hz 1")])
+def test_cases_have_a_row_each_with_their_first_values(scene, capsys, analysis, head):
+    cases = "[[case]]\nname = 'once'\nloads = [0, 1]\n[[case]]\nname = 'twice'\nloads = [0, 1]\nfactors = [2, 2]\n"
+    prestress = "[solve]\nprestress = true\n" if analysis == "modes" else ""
+    scene.write_text(scene.read_text() + cases + prestress)
+    assert run([analysis, str(scene)]) == 0
+    said = capsys.readouterr().out
+    for words in ("Load cases, ", head, 'case "once"'):
+        assert words in said
+    assert "Envelope" not in said
+    rows = {
+        line.split()[0]: float(line.split()[1])
+        for line in said.splitlines()
+        if line.split()[:1] in (["once"], ["twice"])
+    }
+    if analysis == "buckling":
+        assert rows["once"] == pytest.approx(2 * rows["twice"], rel=1e-6)
+    else:
+        assert rows["once"] > rows["twice"] > 0
