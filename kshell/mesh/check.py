@@ -30,7 +30,7 @@ FLAT = 1e-9
 HOW_TO_TRIANGLES = {
     "solid cells": "kshell models the midsurface of a thin body: describe that surface, and mesh in two "
     "dimensions, `gmsh -2 file.geo`, without a Physical Volume",
-    "triangles of order 3 or higher": "Set `Mesh.ElementOrder = 2;` (or 1) and mesh again",
+    "triangles of order 5 or higher": "Set `Mesh.ElementOrder = 2;` (or 1) and mesh again",
     "quadrilaterals of order 3 or higher": "Set `Mesh.ElementOrder = 2;` (or 1) and mesh again",
 }
 

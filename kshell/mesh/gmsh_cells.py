@@ -18,17 +18,17 @@ NODES_OF_TYPE = {int(pair.split(":")[0]): int(pair.split(":")[1]) for pair in _N
 # types kshell uses: dimension
 POINT, LINES, TRIANGLES, QUADRILATERALS = (15,), (1, 8), (2, 9), (3, 10, 16)
 
-_HIGHER_LINES = (26, 27, 28, 62, 63, 64, 65, 66)
-_HIGHER_TRIANGLES = (20, 21, 22, 23, 24, 25, 42, 43, 44, 45, 46)
+_HIGHER_LINES = (28, 62, 63, 64, 65, 66)
+_HIGHER_TRIANGLES = (24, 25, 42, 43, 44, 45, 46)
 _HIGHER_QUADRILATERALS = (36, 37, 38)
 
 
 def kind_of_other(cell_type: int) -> str:
-    """What a cell that is no point, line, triangle or quadrilateral of order 1 or 2 is called in messages."""
+    """What a cell that is no point, line, triangle or quadrilateral that is read is called in messages."""
     if cell_type in _HIGHER_QUADRILATERALS:
         return "quadrilaterals of order 3 or higher"
     if cell_type in _HIGHER_TRIANGLES + _HIGHER_LINES:
-        return "triangles of order 3 or higher"
+        return "triangles of order 5 or higher"
     return "solid cells"
 
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from kshell.errors import InputError
 from kshell.mesh import msh2, msh4, msh_old, quads
 from kshell.mesh.gmsh_cells import LINES, POINT, QUADRILATERALS, TRIANGLES, CellBlock, kind_of_other
+from kshell.mesh.gmsh_high import lowered
 from kshell.mesh.numbers import Section, sections
 from kshell.mesh.raw import RawGroup, RawMesh
 
@@ -135,6 +136,10 @@ def _raw_mesh(
     source: str,
 ) -> RawMesh:
     number = _NodeNumbers(node_tags, source)
+    read = len(node_tags)
+    node_tags, points, blocks, high = lowered(node_tags, points, blocks, number.of)
+    if len(node_tags) > read:
+        number = _NodeNumbers(node_tags, source)
     triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]
     segments = n_triangles = 0
     other: dict[str, int] = defaultdict(int)
@@ -174,7 +179,7 @@ def _raw_mesh(
         RawGroup(names.get((dimension, tag), ""), dimension, np.concatenate([*found, empty[dimension]]), tag)
         for (dimension, tag), found in sorted(cells.items())
     ]
-    return RawMesh(points, stacked, groups, source, dict(other), segments, notes)
+    return RawMesh(points, stacked, groups, source, dict(other), segments, [*high, *notes])
 
 
 def _quadrilaterals(

@@ -23,7 +23,7 @@ CELLS = {
     "tetrahedra": (["4 1 1 2 3 5", "2 1 1 2 3"], "1 solid cells.*midsurface"),
     "lines only": (["1 1 1 2", "1 1 2 4"], "2 line cells but no triangles.*Physical Surface"),
     "points only": (["15 1 1"], "no triangles"),
-    "order 3": (["21 1 1 2 3 4 5 1 2 3 4 5"], "order 3 or higher.*ElementOrder = 2"),
+    "order 5": (["25 1 " + " ".join("123" * 7)], "order 5 or higher.*ElementOrder = 2"),
 }
 
 

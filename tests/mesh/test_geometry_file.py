@@ -131,7 +131,7 @@ WRONG = {
     "syntax": ("nonsense (;\n", "gmsh cannot mesh it: 'shape.geo', line 1: syntax error"),
     "unknown loop": ("Plane Surface(1) = {7};\n", "Unknown curve loop 7"),
     "no surface": ("Point(1) = {0, 0, 0};\n", "has no surface to mesh"),
-    "order 3": (SQUARE + "Mesh.ElementOrder = 3;\n", "order 3 or higher"),
+    "order 5": (SQUARE + "Mesh.ElementOrder = 5;\n", "order 5 or higher"),
     "unmerged": (SQUARE + "Rectangle(2) = {1, 0, 0, 1, 1};\n", "vertices at the same place.*Coherence"),
     "overlap": (SQUARE + "Rectangle(2) = {0.3, 0.3, 0.4, 1, 1};\n", None),
 }
