@@ -8,6 +8,7 @@ answer to the loads together, which no sum gives.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -47,11 +48,11 @@ def answer_cases(run: Run, analyse: Analyse) -> Result:
             "cases: no load acts on modes without prestress, the answer is that of all cases"
         )
         return result
-    model = run.model() if _shares(run) else None
+    models = _models(run, factors) if _shares(run) else {}
     found: dict[str, Result] = {}
-    for name, row in factors.items():
+    for name in factors:
         try:
-            found[name] = _case(run, model, analyse, name, row)
+            found[name] = _case(run, models.pop(name, None), analyse, name, factors[name])
         except (SolveError, Interrupted) as error:
             if isinstance(error.state, Result):
                 error.state.scene = run.scene.of_case(name)
@@ -83,6 +84,16 @@ def _shares(run: Run) -> bool:
     return run.options.analysis in SHARED and not shaped
 
 
+def _models(run: Run, factors: Mapping[str, Floats]) -> dict[str, Model]:
+    """One model under the loads of each case, solved for all of them together where each will be solved at all."""
+    model = run.model()
+    models = {name: model.under(tuple(row.tolist())) for name, row in factors.items()}
+    if run.options.analysis == "static" and not run.options.large_asked:
+        with suppress(InputError, SolveError), run.clock.stage("solve"):  # the case at fault will say so
+            model.solve_ahead(list(models.values()), run.options.solver)
+    return models
+
+
 def _case(run: Run, model: Model | None, analyse: Analyse, name: str, row: Floats) -> Result:
     def tell(words: str) -> None:
         run.tell(f'case "{name}": {words}')
@@ -92,7 +103,7 @@ def _case(run: Run, model: Model | None, analyse: Analyse, name: str, row: Float
     own = replace(run, clock=Clock(progress), progress=progress, folder=folder)
     if model is not None:
         own = replace(own, factors=tuple(row.tolist()))
-        return analyse(model.under(own.factors or ()), own)
+        return analyse(model, own)
     scene = run.scene.of_case(name)
     own = replace(own, scene=scene, structure=resolve(scene, run.structure.parameters))
     return analyse(own.model(), own)

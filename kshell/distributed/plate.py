@@ -134,6 +134,9 @@ class PartedPlateModel(PlateModel):
                 )
         return PetscMultigrid(matrix, space, f"{self.unknowns} unknowns, on {_processes(self.team)}")
 
+    def solve_ahead(self, models: Sequence[PlateModel], solver: str = "auto") -> None:
+        return  # one load after the other
+
     def solve(self, solver: str = "auto") -> Solved:
         return super().solve("auto" if solver == "petsc" else solver)
 

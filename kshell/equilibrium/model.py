@@ -185,6 +185,18 @@ class Model(ABC):
             If no answer was reached.
         """
 
+    def solve_ahead(self, models: Sequence[Self], solver: str = "auto") -> None:
+        """Solve for all loads together what `solve` of these models, each this one `under` factors, then returns.
+
+        Where a model gains nothing by it, its `solve` does the work as always.
+
+        Raises
+        ------
+        InputError, SolveError
+            As `solve`; nothing is then known of any of the models.
+        """
+        return
+
     def respond(self, load: Floats) -> Floats:
         """(q,) or (q, n) unknowns under load vectors on them alone, on the factors of `solve`: for duals.
 

@@ -136,6 +136,20 @@ def assemble_load(loads: Sequence[LinearForm], domain: Domain, reduction: Reduct
     return out, work
 
 
+def assemble_loads(
+    groups: Sequence[Sequence[LinearForm]], domain: Domain, reduction: Reduction
+) -> tuple[Floats, Floats]:
+    """`assemble_load` of several groups of loads in one pass: (group, unknown) vectors and (group,) works."""
+    owner = {id(part): number for number, group in enumerate(groups) for part in group}
+    out, work = np.zeros((len(groups), reduction.count)), np.zeros(len(groups))
+    for batch in _batches([part for group in groups for part in group], domain, reduction):
+        number = owner[id(batch.part)]
+        add_to(out[number], batch.unknown, batch.part.vectors(batch.positions, batch.reduced))
+        if batch.moved is not None:
+            work[number] += float(batch.part.vectors(batch.positions, batch.moved).sum())
+    return out, work
+
+
 @dataclass(frozen=True, eq=False)
 class _Batch:
     """Some triangles of a form or load, with the transforms to the unknowns.

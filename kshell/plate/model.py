@@ -34,6 +34,7 @@ ROUNDED_FROM = 20_000  # unknowns from which rounding of the matrix exceeds 1e-1
 # size of the plate over the height of its triangles: rounding grows with its fourth power, on a slender ring sector of
 # 2,048 triangles (ratio 1300) to 2e-4 of the loads; a square with the unknowns above has 65
 SLENDER_FROM = 65.0
+MOST_TOGETHER = 4_000_000  # unknowns of all loads that are solved together: 32 MB in each of some arrays
 DUAL_TOLERANCE = 1e-8  # of duals in energy, which estimates take to a few digits
 
 
@@ -62,6 +63,7 @@ class PlateModel(Model):
         self.element, self.order = element, self.problem.element.maxdeg
         self.reasons = list(reasons)
         self._prepared: dict[str, Prepared] = {}  # by solver, for further loads and duals
+        self._ahead: dict[str, Solution] = {}  # by solver, what `solve_ahead` found
         # by probe: dual solution (dof,) and its estimate by triangle; the same under all loads
         self.duals: dict[str, tuple[Floats, Floats]] = {}
 
@@ -125,6 +127,7 @@ class PlateModel(Model):
     def under(self, factors: Sequence[float], motion: float = 1.0) -> PlateModel:
         out = copy.copy(self)
         out.problem = self.problem.under(factors, motion)
+        out._ahead = {}
         return out
 
     def prepare(self) -> None:
@@ -132,13 +135,26 @@ class PlateModel(Model):
 
     def solve(self, solver: str = "auto") -> Solved:
         system = self.problem.system
-        solution = self._solve(system.fixed_load + system.load, solver)
+        solution = self._ahead.get(solver) or self._solve(system.fixed_load + system.load, solver)
         d = self.problem.reduction.expand(np.asarray(solution.x, dtype=np.float64))
         if not np.isfinite(d).all():
             raise SolveError(
                 "the solution is not finite: check the magnitudes of stiffness and loads", state=d
             )
         return Solved(d, solution.name, solution.why, solution.iterations, solution)
+
+    def solve_ahead(self, models: Sequence[PlateModel], solver: str = "auto") -> None:
+        if self.unknowns == 0 or len(models) < 2 or solver == "multigrid":
+            return
+        if not self.problem.small and not isinstance(self._ready(solver), Factorisation):
+            return
+        systems = [model.problem.system for model in models]
+        loads = np.stack([system.fixed_load + system.load for system in systems], axis=1)
+        if loads.size > MOST_TOGETHER or not loads.any(axis=0).all():
+            return
+        solution = self._solve(loads, solver)
+        for number, model in enumerate(models):
+            model._ahead[solver] = solution.column(number)
 
     def _solve(self, rhs: Floats, solver: str) -> Solution:
         problem = self.problem
@@ -154,10 +170,13 @@ class PlateModel(Model):
         # rounding of the matrix costs quintics digits on fine meshes: residuals through strains keep them
         fine = quintic and (slender or self.unknowns > ROUNDED_FROM)
         product: Any = self.product() if fine else None
+        return self._ready(solver).solve(rhs, product=product)
+
+    def _ready(self, solver: str) -> Prepared:
         prepared = self._prepared.get(solver)
         if prepared is None:
             prepared = self._prepared[solver] = self._prepare(solver)
-        return prepared.solve(rhs, product=product)
+        return prepared
 
     def _prepare(self, solver: str) -> Prepared:
         return prepare(self.problem.assembled.matrix, self.problem.space, solver)

@@ -15,7 +15,7 @@ from kshell.elements import ElementArgyris, ElementMorley, PlateElement, matrice
 from kshell.material.laminate import require_symmetric
 from kshell.mesh.check import plate_problems
 from kshell.mesh.words import count, place
-from kshell.plate.assembly import Assembled, assemble, assemble_load
+from kshell.plate.assembly import Assembled, assemble, assemble_load, assemble_loads
 from kshell.plate.conditions import SharedSlopes
 from kshell.plate.corners import corner_angles, singular_corners
 from kshell.plate.domain import Domain
@@ -84,6 +84,7 @@ class PlateProblem:
             structure.loads, self.domain, self.layout, self.bending, self.section, structure.masses
         )
         springs = [form for _, form in self.supports.springs]
+        self._locators: list[PlatePoints] = []  # one at most, shared with the copies under other loads
         self.hanging: list[Hanging] = []
         if not structure.movable:
             self.hanging = require_held(self.domain, self.layout, self.supports.conditions, springs)
@@ -144,14 +145,22 @@ class PlateProblem:
             return space
         return replace(space, stiffness=stiffness)  # coarse levels follow its jumps
 
+    @cached_property
+    def _load_table(self) -> tuple[Floats, Floats]:
+        """Each load, and last what holds the motion along curved edges: (load + 1, q), and (load + 1,) works."""
+        loads = [self.loads.of(number) for number in range(len(self.structure.loads))]
+        return assemble_loads([*loads, self.supports.hold_loads], self.domain, self.reduction)
+
     def under(self, factors: Sequence[float], motion: float) -> PlateProblem:
         """The same plate under its loads times factors, (load,), and its prescribed motion times one."""
         out = copy.copy(self)
         out.loads = self.loads.times(factors)
         out.supports = self.supports.times(motion)
         out.reduction = self.reduction.times(motion)
-        loads = [*out.loads.forms, *out.supports.hold_loads]
-        load, work = assemble_load(loads, self.domain, out.reduction)
+        vectors, works = self._load_table
+        scale = np.array([*factors, motion])
+        load, work = scale @ vectors, motion * float(scale @ works)
+        out.__dict__.pop("_load_table", None)  # of the loads before they were multiplied
         changed = {
             "load": load,
             "load_work": work,
@@ -217,7 +226,9 @@ class PlateProblem:
     @cached_property
     def locator(self) -> PlatePoints:
         """For values anywhere."""
-        return PlatePoints(self.domain)
+        if not self._locators:
+            self._locators.append(PlatePoints(self.domain))
+        return self._locators[0]
 
     @cached_property
     def corner_angles(self) -> dict[int, float]:

@@ -73,6 +73,7 @@ class ShellProblem:
         self.loads: ShellLoads = apply_loads(structure, discretisation, self.energy, self.supports.links)
         self.reduction: Reduction = with_links(self.supports.conditions.reduction(), self.supports.links)
         self.springs: sp.csr_matrix | None = self.supports.springs
+        self._of_shape: list[list[str]] = []
         self.hanging: list[Hanging] = []
         if not structure.movable:
             self.hanging = require_held(self.space, discretisation, self.reduction, self.springs)
@@ -208,7 +209,9 @@ class ShellProblem:
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
         out = [*self.supports.warnings, *self.loads.warnings]
-        out += shape_warnings(self.space, self.discretisation, self.section)
+        if not self._of_shape:  # shared with the copies under other loads
+            self._of_shape.append(shape_warnings(self.space, self.discretisation, self.section))
+        out += self._of_shape[0]
         out += self._axes_warnings()
         out += self.discretisation.warnings()
         still = not np.any(self.load) and self.loads.initial is None

@@ -24,7 +24,7 @@ def solve_dense(matrix: Floats, rhs: Floats) -> Solution | None:
     ----------
     matrix : (n, n) float array
         Symmetric; the lower triangle is used.
-    rhs : (n,) float array
+    rhs : (n,) or (n, load) float array
 
     Returns
     -------
@@ -56,7 +56,8 @@ def solve_dense(matrix: Floats, rhs: Floats) -> Solution | None:
     x, history, steps = refine(matrix.__matmul__, columns, solve)
     if not (np.isfinite(x).all() and history[-1] <= HOPELESS):
         return None
-    size = float(np.linalg.norm(b))
+    size = np.linalg.norm(columns, axis=0)
+    left = np.linalg.norm(columns - matrix @ x, axis=0)
     return Solution(
         x=x.reshape(b.shape),
         name="Cholesky (LAPACK)",
@@ -64,6 +65,6 @@ def solve_dense(matrix: Floats, rhs: Floats) -> Solution | None:
         iterations=steps,
         history=history,
         energy_error=history[-1],
-        residual=float(np.linalg.norm(columns - matrix @ x)) / (size if size > 0 else 1.0),
+        residual=float(np.max(left / np.where(size > 0, size, 1.0), initial=0.0)),
         seconds={"setup": ready - begin, "solve": time.perf_counter() - ready},
     )

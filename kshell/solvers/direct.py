@@ -108,7 +108,7 @@ class Factorisation(Prepared):
         check_tolerance(tolerance)
         b = checked_rhs(rhs, self.matrix.shape[0])
         columns = b.reshape(len(b), -1)
-        times = self._times if product is None else columnwise(product)
+        times = self._times if product is None else product
         x, history, steps = refine(times, columns, self._solve, progress)
         size = np.linalg.norm(columns, axis=0)
         residual = np.linalg.norm(columns - times(x), axis=0) / np.where(size > 0, size, 1.0)
@@ -136,8 +136,3 @@ class Factorisation(Prepared):
                 state=solution,
             )
         return solution
-
-
-def columnwise(product: Product) -> Product:
-    """A product for (n,) made to serve (n, load)."""
-    return lambda x: np.stack([product(column) for column in x.T], axis=1)

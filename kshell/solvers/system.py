@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -141,6 +141,10 @@ class Solution:
     seconds: dict[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
+    def column(self, number: int) -> Solution:
+        """The answer to one of several right-hand sides; what is said of its error is that of the worst."""
+        return replace(self, x=np.ascontiguousarray(self.x[:, number]))
+
 
 class Prepared(ABC):
     """A matrix made ready for any number of right-hand sides.
@@ -176,7 +180,7 @@ class Prepared(ABC):
         progress : function, optional
             Called with the iteration and its estimated relative energy error.
         product : function, optional
-            x -> A x for (n,), more accurate than the entries of the matrix allow. The residuals of the
+            x -> A x for (n,) and (n, load), more accurate than the entries of the matrix allow. The residuals of the
             refinement are then formed with it, and the answer is that of the more accurate A.
 
         Raises

@@ -301,3 +301,48 @@ def test_refused_with_a_reason():
         ks.solve(plate(cases=(), combinations=())).envelope  # noqa: B018
     with pytest.raises(ks.InputError, match="the cases are"):
         plate().of_case("rain")
+
+
+@pytest.mark.parametrize("element", ["morley", "argyris"])
+@pytest.mark.parametrize("n", [2, 8])
+def test_solved_together_as_alone(element, n):
+    """Cases whose loads are solved for at once answer as each alone does: dense and sparse, moved supports, too."""
+    mesh = ks.geometry.Plane().mesh(n, n, order=1, u_range=(0, 1), v_range=(0, 1))
+    scene = ks.Scene(
+        mesh=mesh,
+        thickness=0.01,
+        material=ks.Isotropic(E=210e9, nu=0.3, density=7850),
+        supports=[
+            ks.Clamped("u0"),
+            ks.SimplySupported("u1", value=(0, 0, -1e-6)),
+            ks.Elastic("v1", 1e5, "z"),
+        ],
+        loads=[
+            ks.Pressure("1+x", name="a"),
+            ks.Pressure(3.0, name="b"),
+            ks.Gravity((0, 0, -1.0), name="c"),
+        ],
+        cases=[ks.Case("A", ["a"]), ks.Case("B", ["b", "c"]), ks.Case("C", ["a", "c"])],
+        probes={"p": (0.7, 0.6, 0.0)},
+        solve={"large_deflection": False, "element": element, "error": "off"},
+    )
+    together = ks.solve(scene)
+    for name, case in together.cases.items():
+        alone = ks.solve(scene.of_case(name))
+        for key in ("u", "M"):
+            size = np.abs(alone.probes["p"][key]).max()
+            assert case.probes["p"][key] == pytest.approx(alone.probes["p"][key], rel=1e-8, abs=1e-8 * size)
+        assert case.strain_energy == pytest.approx(alone.strain_energy, rel=1e-8)
+        assert case.external_work == pytest.approx(alone.external_work, rel=1e-8)
+        for group, found in alone.reactions.items():
+            size = np.abs(found["force"]).max()
+            assert case.reactions[group]["force"] == pytest.approx(found["force"], rel=1e-7, abs=1e-7 * size)
+    assert together.cases["A"].probes["p"]["u"][2] != pytest.approx(
+        together.cases["C"].probes["p"]["u"][2], rel=1e-3
+    )
+    model = model_of(scene)
+    motions = np.random.default_rng(0).standard_normal((model.unknowns, 3))
+    forces = model.product()(motions)
+    assert forces[:, 1] == pytest.approx(
+        model.product()(motions[:, 1]), rel=1e-12, abs=1e-12 * np.abs(forces).max()
+    )
