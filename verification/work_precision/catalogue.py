@@ -8,12 +8,11 @@ from verification.work_precision.problems import PlateComparison, Reference, She
 LAYERS = 16  # of the triangles around the corner of the L-shape
 
 # NGSolve on a mesh graded by 22 layers, orders 6 to 9: 5.5915668, 5.5915269, 5.5915182, 5.5915163e-5 and so on;
-# Argyris stays below, as it must. HHJ of order 12 with 24, 40 and 40 layers, 288, 416 and 536 triangles: 5.59151574303,
-# 5.59151573890, 5.59151573809e-5
+# Argyris stays below, as it must
 L_SHAPE = {
-    "compliance": Reference(5.591515738e-5, 1e-9),
-    "w": Reference(1.95571373e-4, 1e-9),
-    "M": Reference(7.4942856e-3, 1e-8),
+    "compliance": Reference(5.5915158e-5, 3e-7),
+    "w": Reference(1.9557138e-4, 3e-7),
+    "M": Reference(7.4942854e-3, 3e-7),
 }
 
 
@@ -74,7 +73,6 @@ PLATES = (
             "kshell HHJ, order 4": (2, 4, 8, 16),
             "kshell HHJ, order 6": (2, 4, 8),
             "kshell HHJ, order 8": (2, 4, 8),
-            "kshell HHJ, order 12": (2, 4, 8),
             "scikit-fem Argyris": (4, 8),
             "NGSolve plate, order 2": (4, 8, 16, 32),
             "NGSolve plate, order 3": (4, 8, 16, 32),
@@ -101,8 +99,6 @@ PLATES = (
             "kshell Koiter p = 1": (4, 8, 16),
             "kshell Koiter p = 2": (2, 4, 8, 16),
             "kshell Koiter p = 3": (2, 4, 8, 16),
-            "kshell HHJ, order 3": (1, 2, 4, 8),
-            "kshell HHJ, order 4": (1, 2, 4),
             "NGSolve plate, order 2": (2, 4, 8, 16),
             "NGSolve plate, order 3": (2, 4, 8, 16),
             "NGSolve plate, order 4": (1, 2, 4, 8),

@@ -27,7 +27,6 @@ KSHELL = {
     "kshell HHJ, order 4": "#fb7185",
     "kshell HHJ, order 6": "#be123c",
     "kshell HHJ, order 8": "#4c0519",
-    "kshell HHJ, order 12": "#1c0109",
     "kshell Koiter p = 1": "#93c5fd",
     "kshell Koiter p = 2": "#2563eb",
     "kshell Koiter p = 3": "#1e3a8a",
