@@ -126,6 +126,14 @@ def test_refusals():
         ks.solve(scene([*clamped, ks.Clamped((1.0, 0.5, 0.0))], load, n=2), element="hhj")
     with pytest.raises(ks.InputError, match="not held"):
         ks.solve(scene([], load, n=2), element="hhj")
+    ring = np.arange(1, 7)
+    line = np.stack([ring, np.roll(ring, -1)], axis=1)
+    inside = ks.Mesh.from_arrays(disk(3).points, disk(3).triangles, {"line": line})
+    made = ks.Scene(
+        mesh=inside, thickness=1.0, material=MATERIAL, supports=[ks.SimplySupported("line")], loads=load
+    )
+    with pytest.raises(ks.InputError, match="lies inside the plate"):
+        ks.solve(made, element="hhj")
     varying = ks.Scene(mesh=square(2), thickness="1+x", material=MATERIAL, supports=clamped, loads=load)
     with pytest.raises(ks.InputError, match="thickness varies"):
         ks.solve(varying, element="hhj")

@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from kshell.elements.morley import ElementMorley
 from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError, SolveError
+from kshell.mesh.words import place
 from kshell.plate.answer import NODAL_VALUES, UNBALANCED, Above, cell_fields, vertex_fields
+from kshell.plate.curves import edge_curves
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
@@ -54,6 +56,7 @@ class HHJModel(Model):
         self.structure, self.order, self.reasons = structure, order, list(reasons)
         # reads the scene's words, and is never assembled
         self.problem = PlateProblem(structure, ElementMorley(), curved=True)
+        _require_straight_lines(self.problem)
         if not structure.section.constant_per_triangle:
             raise InputError(
                 "the thickness varies inside triangles: the element hhj takes one thickness per group; use "
@@ -186,3 +189,19 @@ class HHJModel(Model):
     def motion_fields(self, x: Floats) -> Deferred[Floats]:
         system = self.system()
         return vertex_fields(HHJFields(self.problem, Loads(), system, system.motion(x)))
+
+
+def _require_straight_lines(problem: PlateProblem) -> None:
+    """Refuse supports along curved lines inside, which this element would hold on chords."""
+    mesh = problem.mesh
+    for group in problem.supports.held:
+        edges = np.union1d(group.line, group.edges).astype(np.int32)
+        curves = edge_curves(mesh, edges[mesh.edge_counts[edges] > 1])
+        if curves.curved.any():
+            bent = curves.edges[int(np.abs(curves.shape).max(axis=(1, 2)).argmax())]
+            raise InputError(
+                f"support on '{group.label}': the line is curved near "
+                f"{place(mesh.points[mesh.edges[bent]].mean(axis=0))} and lies inside the plate: the element hhj "
+                "follows curved edges of the plate only, and on chords a held line would hold the slope, too, in the "
+                'limit; use element = "argyris"'
+            )
