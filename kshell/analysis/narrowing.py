@@ -19,6 +19,7 @@ from kshell.analysis.interval import Known, apart
 from kshell.analysis.refined_mesh import Refiner
 from kshell.analysis.run import Run
 from kshell.equilibrium.model import Model
+from kshell.errors import InputError, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import cuttable, longest_first
 from kshell.solvers.pencil import Spectrum
@@ -82,11 +83,16 @@ def narrowed(
     Raises
     ------
     InputError, SolveError
-        As the models.
+        As the models, on the first mesh; a finer one that cannot be solved ends the refinement.
     """
     options = first.run.options
     if options.tolerance is None:
-        return bound(first), first
+        known = bound(first)
+        if known.of and known.width is None and not known.reasons and options.error != "off":
+            known.reasons.append(
+                "intervals: none from one mesh alone; with a tolerance finer ones estimate them"
+            )
+        return known, first
     tolerance, begin = float(options.tolerance), time.perf_counter()
     levels: list[dict[str, Any]] = []
     turned = first.run.on_mesh(longest_first(first.run.structure.parameters))
@@ -118,7 +124,12 @@ def narrowed(
         wide = "" if width is None else f"intervals {width:.1e} wide, "
         first.run.tell(f"bounds: {wide}{unknowns} unknowns; the mesh is refined")
         clock = time.process_time()
-        stages = [*stages[1 - LOOKED_BACK :], _again(first, stage.run.on_mesh(mesh), again)]
+        try:
+            finer = _again(first, stage.run.on_mesh(mesh), again)
+        except (SolveError, InputError, MemoryError) as error:
+            why = f"the next mesh could not be solved ({error or 'out of memory'})"
+            break
+        stages = [*stages[1 - LOOKED_BACK :], finer]
     known, stage = best
     if why:
         wide = f"{min(widths):.1e} wide" if np.isfinite(min(widths)) else "unknown"

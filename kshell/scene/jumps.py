@@ -55,8 +55,8 @@ def rough_words(load: Load, space: Mesh, triangles: Ints) -> str:
     if missed < ROUGH:
         return ""
     return (
-        f"{load} changes faster inside triangles than it is integrated: about {100 * missed:.1g} % of it are missed or "
-        "added; let edges of the mesh follow its jumps, or make triangles smaller there"
+        f"{load} changes faster inside triangles than it is integrated: about {float(f'{100 * missed:.1g}'):g} % of it "
+        "are missed or added; let edges of the mesh follow its jumps, or make triangles smaller there"
     )
 
 

@@ -240,6 +240,12 @@ def test_stretched_plate_says_that_it_does_not_buckle():
     assert any("no factor is positive" in words for words in result.warnings)
 
 
+def test_factors_without_intervals_say_so():
+    result = ks.buckling(square("SSSS", n=4, loads=[*press(1), *press(0, 1, fixed=True)]), count=1)
+    assert result.eigen[0]["kind"] == "none"
+    assert any("with a tolerance finer ones" in reason for reason in result.model["reasons"])
+
+
 def test_a_positive_factor_behind_negative_ones_is_told():
     """f (n^2 - 10 m^2) = (m^2 + n^2)^2: reversed loads for m = 1, 2, 3 and n = 1, as given first for 1 and 5."""
     result = ks.buckling(square("SSSS", n=12, loads=press(-10, 1)), count=3)

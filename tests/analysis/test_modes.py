@@ -5,6 +5,7 @@ import pytest
 
 import kshell as ks
 from kshell.analysis.models import model_of
+from kshell.analysis.run import Run
 from kshell.plate.vibration import energies, energy_rounding
 from kshell.solvers.eigen import smallest
 from kshell.solvers.pencil import Pencil
@@ -187,6 +188,23 @@ def test_tolerance_without_a_proof_is_estimated_from_meshes(options):
     assert entry["upper"] - entry["lower"] <= 1e-4 * entry["value"]
     assert entry["lower"] <= exact * (1 + 1e-8)
     assert entry["upper"] >= exact * (1 - 1e-8)
+
+
+def test_a_finer_mesh_that_cannot_be_solved_leaves_the_interval_of_the_last(monkeypatch):
+    model, meshes = Run.model, []
+
+    def folds_when_finer(run):
+        meshes.append(len(run.structure.parameters.triangles))
+        if meshes[-1] > meshes[0]:
+            raise ks.InputError("a triangle folds over")
+        return model(run)
+
+    monkeypatch.setattr(Run, "model", folds_when_finer)
+    result = ks.modes(square("SSSS", n=4), count=1, tolerance=1e-9)
+    assert "is not reached" in result.error["why_not"]
+    assert "the next mesh could not be solved (a triangle folds over)" in result.error["why_not"]
+    assert result.eigen[0]["lower"] <= 4 * np.pi**4 <= result.eigen[0]["upper"] * (1 + 1e-9)
+    assert len(result.error["levels"]) == 1
 
 
 @pytest.mark.parametrize(
