@@ -142,16 +142,17 @@ def _solved(
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise InputError(f"sweep: workers = {workers!r} must be a whole number > 0")
     count = min(workers or cpu_count(only_physical_cores=True), len(points))
+    folder = Path.cwd()  # processes of an earlier sweep serve again, and stand where that was begun
     if count == 1:
         for point in points:
-            yield _point(data, point, options, allow_system)
+            yield _point(data, point, options, allow_system, folder)
         return
     with parallel_config("loky", n_jobs=count, inner_max_num_threads=1):
-        jobs = (delayed(_point)(data, point, options, allow_system) for point in points)
+        jobs = (delayed(_point)(data, point, options, allow_system, folder) for point in points)
         yield from Parallel(return_as="generator")(jobs)
 
 
-def _point(data: Row, point: Row, options: Row, allow_system: bool) -> tuple[list[Row], str]:
+def _point(data: Row, point: Row, options: Row, allow_system: bool, folder: Path) -> tuple[list[Row], str]:
     """Rows of one point, and why its input was refused, if it was."""
     begin = time.perf_counter()
     try:
@@ -161,7 +162,7 @@ def _point(data: Row, point: Row, options: Row, allow_system: bool) -> tuple[lis
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", KshellWarning)  # they stand in the row
             warnings.simplefilter("ignore", RuntimeWarning)  # what is not finite ends as a SolveError
-            result = answer(Scene.from_dict(own, source="sweep"), options, allow_system=allow_system)
+            result = answer(Scene.from_dict(own, folder, source="sweep"), options, allow_system=allow_system)
             cases = result.cases or {"": result}
             rows = [_row(point, name, case) for name, case in cases.items()]
     except InputError as error:

@@ -48,6 +48,17 @@ def test_two_processes_give_the_same_rows():
     assert [row["tip.uz"] for row in two] == pytest.approx([row["tip.uz"] for row in one], rel=1e-12)
 
 
+def test_relative_files_are_found_where_the_sweep_is_begun(tmp_path, monkeypatch):
+    """Processes are used again, wherever the earlier sweep stood."""
+    for number in (1, 2):
+        folder = tmp_path / str(number)
+        scene = plate()
+        scene.save(folder / "plate.toml")
+        monkeypatch.chdir(folder)
+        rows = ks.sweep(ks.Scene.load("plate.toml"), {"thickness": [0.01, 0.02]}, workers=2)
+        assert [row["error"] for row in rows] == ["", ""]
+
+
 def test_a_failed_point_is_a_row_with_its_reason():
     rows = ks.sweep(plate(), {"material.nu": [0.3, 0.7]}, workers=1)
     assert [bool(row["error"]) for row in rows] == [False, True]
