@@ -98,7 +98,7 @@ def described(
     warmth : sequence of Placed
         The temperatures that act in its state.
     """
-    result.analysis = run.options.analysis
+    result.analysis, result.units = run.options.analysis, run.scene.units
     result.model = {
         "kind": model.kind,
         "large_deflection": large,

@@ -48,6 +48,8 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         f"{result.model['kind']}, element {result.model['element']}{order}: {len(mesh.points)} vertices, "
         f"{len(mesh.triangles)} triangles, {result.unknowns} unknowns"
     )
+    if result.units:
+        out.print(f"units: {_escaped(result.units)}")
     for reason in result.model["reasons"]:
         out.print(f"  {_escaped(reason)}")
     if result.eigen:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from kshell.errors import InputError
 from kshell.result.result import Result
 from kshell.result.vtu import at_nodes
+from kshell.values.units import labelled
 
 Floats = NDArray[np.float64]
 
@@ -22,6 +23,15 @@ FIELDS: dict[str, tuple[str, int, str]] = {
     "von_mises_top": ("von_mises_top", 0, "von Mises stress at the top (z = +t/2)"),
 }
 PICTURES = (*FIELDS, "mesh")
+# powers of force and length in the unit of a field
+POWERS = {
+    "displacement": (0, 1),
+    "moment": (1, 0),
+    "membrane_force": (1, -1),
+    "von_mises_top": (1, -2),
+    "von_mises_middle": (1, -2),
+    "von_mises_bottom": (1, -2),
+}
 # analyses whose fields are shapes of motion
 MODAL = ("modes", "buckling")
 
@@ -65,4 +75,6 @@ def picture_values(result: Result, what: str) -> tuple[Floats, str]:
         raise InputError(f'no picture "{what}": the result has no field "{name}"')
     values = result.fields[name].reshape(len(result.points), -1)
     values = at_nodes(result.rows, name, values, result.fields, result.edge_fields)
+    if result.analysis not in MODAL:  # shapes have no size
+        label = labelled(label, result.units, *POWERS[name])
     return (np.linalg.norm(values, axis=1) if column == SIZE else values[:, column]), label

@@ -51,9 +51,10 @@ def page(result: Result) -> str:
 def content(result: Result) -> dict[str, Any]:
     """What stands in the report: text, tables and pictures."""
     scene, kind = result.scene, result.model.get("kind", "")
+    units = f"; units {result.units}" if result.units else ""
     return {
         "title": result.title or "kshell",
-        "subtitle": f"{kind}: {ANALYSES.get(result.analysis, result.analysis)}",
+        "subtitle": f"{kind}: {ANALYSES.get(result.analysis, result.analysis)}{units}",
         "warnings": result.warnings,
         "scene": None if scene is None else scene_tables(scene),
         "picture": image(result, "mesh"),

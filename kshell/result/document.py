@@ -27,6 +27,7 @@ def document(result: Result) -> dict[str, Any]:
     content = {
         "kshell": __version__,
         "title": result.title,
+        **({"units": result.units} if result.units else {}),
         "analysis": result.analysis,
         "model": result.model,
         "mesh": {
@@ -64,7 +65,7 @@ def document(result: Result) -> dict[str, Any]:
 
 def _of_case(result: Result, name: str) -> dict[str, Any]:
     """What result.json says of one load case: all but what all cases have in common."""
-    common = ("kshell", "title", "mesh", "input")
+    common = ("kshell", "title", "units", "mesh", "input")
     own = {key: value for key, value in document(result.cases[name]).items() if key not in common}
     added = result.combinations.get(name)
     return own if added is None else {"combination": added, **own}

@@ -53,7 +53,10 @@ def load_result(path: str | os.PathLike[str], cls: type[Any]) -> Any:
     parted = document.get("solver", {}).get("processes") is not None
     result = _result(folder / (INDEX if parted else "result.vtu"), document, cls)
     for name in names:
-        own = {**{key: document[key] for key in ("title",)}, **document["cases"][name]}
+        own = {
+            **{key: document[key] for key in ("title", "units") if key in document},
+            **document["cases"][name],
+        }
         own["mesh"] = document["mesh"]
         result.cases[name] = _result(folder / f"{case_stem(name)}.vtu", own, cls)
         if "combination" in own:

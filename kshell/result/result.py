@@ -127,6 +127,8 @@ class Result:
         Of several load cases: which of them the rest belongs to, the first.
     cases : dict of str to Result
         Of all load cases and combinations.
+    units : str
+        Names of the units of the scene, a label: "N, mm"; empty without.
     combinations : dict of str to dict
         Factors of the cases in those that are combinations.
     lines : dict of str to dict
@@ -138,6 +140,7 @@ class Result:
     unknowns: int
     model: dict[str, Any]
     title: str = ""
+    units: str = ""
     analysis: str = "static"
     frame: str = "global x, y"
     probes: dict[str, dict[str, Any]] = field(default_factory=dict)

@@ -57,6 +57,7 @@ def head(result: Result) -> str:
     what = f"{model.get('kind', '')} {model.get('element', '')} of order {model.get('order', '')}"
     parts = {
         "title": result.title,
+        "units": result.units,
         "case": result.case or "",
         "analysis": result.analysis,
         "model": what.strip(),

@@ -38,6 +38,7 @@ from kshell.values.validation import unknown_key
 # key of the file: argument of Scene
 SIMPLE_KEYS = (
     "title",
+    "units",
     "mesh_size",
     "mesh_order",
     "facets",

@@ -47,6 +47,7 @@ from kshell.scene.toml import apply_override, read_toml
 from kshell.values import kinds
 from kshell.values.html import html_table
 from kshell.values.naming import listing, suggestion
+from kshell.values.units import as_units
 from kshell.values.validation import Number, described
 
 
@@ -177,6 +178,9 @@ class Scene:
     obstacles : sequence of Obstacle
     title : str
         Of all that is printed, drawn and written.
+    units : str
+        Names of the units of force and length, and if wanted of mass, time and temperature, in which all numbers are:
+        "N, mm". A label beside the results; nothing is converted.
     solve : SolveOptions or dict
         The defaults for `kshell.solve(scene)`.
 
@@ -189,6 +193,7 @@ class Scene:
     --------
     ```toml
     title = "Roof"
+    units = "N, m"
     mesh = "roof.step"
     mesh_size = 0.2
     mesh_order = 2
@@ -234,6 +239,7 @@ class Scene:
     contact: Any = None
     obstacles: Any = ()
     title: str = ""
+    units: Annotated[Any, BeforeValidator(as_units), WithJsonSchema({"type": "string"})] = ""
     solve: Any = field(default_factory=SolveOptions)
     section: Annotated[Any, BeforeValidator(by_group(as_section))] = None
 
