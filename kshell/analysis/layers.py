@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kshell.material.part import Layered
 from kshell.material.plies import stresses_of_layers
 from kshell.material.tensors import von_mises
-from kshell.result.peaks import near_peaks
+from kshell.result.peaks import NO_CORNERS, near_peaks
 from kshell.result.result import Result
 from kshell.scene.loads import Load, Temperature
 from kshell.scene.structure import Placed, Structure
@@ -81,9 +81,11 @@ def layers_at_rows(result: Result, structure: Structure, warmth: Warmth) -> list
     return out
 
 
-def add_largest(result: Result, structure: Structure, found: list[LayersAtRows]) -> None:
+def add_largest(
+    result: Result, structure: Structure, found: list[LayersAtRows], corners: Mapping[int, str] = NO_CORNERS
+) -> None:
     """Add the extreme `von_mises_layers`, the largest at any face of any layer, farther from peaks than these reach."""
-    far = ~near_peaks(result, structure)
+    far = ~near_peaks(result, structure, corners)
     best: dict[str, object] | None = None
     for layers in found:
         seen = np.where(far[layers.rows, None, None], layers.von_mises, -np.inf)

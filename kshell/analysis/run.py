@@ -117,9 +117,9 @@ def described(
         )
     if result.analysis in DEFLECTED:
         warn_of_the_implausible(result, model.structure, large, run.factors)
-    mark_peaks(result, model.structure)
+    mark_peaks(result, model.structure, model.singular())
     if result.probes or "von_mises_top" in result.fields:
-        add_strength(result, model.structure, warmth)
+        add_strength(result, model.structure, warmth, model.singular())
     answer_asked(result, run.scene)
     result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": run.clock.peak_memory_mb}
     return result

@@ -7,7 +7,7 @@ the smallest yield stress counts.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from kshell.analysis.layers import LayersAtRows, Warmth, add_largest, layers_at_rows, left_in_layers
 from kshell.material.part import Layered
 from kshell.material.plies import ply_stresses
+from kshell.result.peaks import NO_CORNERS
 from kshell.result.result import Result
 from kshell.scene.structure import Structure
 
@@ -25,20 +26,24 @@ SAME = 1e-9  # stresses that differ by rounding
 FACES = ("bottom", "middle", "top")
 
 
-def add_strength(result: Result, structure: Structure, warmth: Warmth = ()) -> None:
+def add_strength(
+    result: Result, structure: Structure, warmth: Warmth = (), corners: Mapping[int, str] = NO_CORNERS
+) -> None:
     """Add `layers` to the probes on laminates, and the field, extreme and probe values `utilisation`.
 
     Parameters
     ----------
     warmth : sequence of Placed
         The temperatures that act.
+    corners : mapping of vertices to words
+        Where stresses grow without bound besides, as `mark_peaks` takes them.
     """
     inside: list[LayersAtRows] = []
     if any(isinstance(part, Layered) for part in structure.section.parts) and structure.direction is None:
         _add_layers(result, structure, warmth)
         if "moment" in result.fields:
             inside = layers_at_rows(result, structure, warmth)
-            add_largest(result, structure, inside)
+            add_largest(result, structure, inside, corners)
     limits = {
         face: structure.section.yield_stress(side) for face, side in zip(FACES, (-1, 0, 1), strict=True)
     }

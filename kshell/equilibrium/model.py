@@ -89,6 +89,10 @@ class Model(ABC):
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
 
+    def singular(self) -> dict[int, str]:
+        """Corners where stresses grow without bound as the mesh is refined, with their kind, by vertex."""
+        return {}
+
     def warmth(self) -> list[Placed[Load]]:
         """The temperatures that act."""
         return []

@@ -48,8 +48,8 @@ def corner_angles(mesh: Mesh, shape: EdgeCurves | None = None) -> dict[int, floa
     return {v: float(total[v]) for v in corners}
 
 
-def singular_corners(mesh: Mesh, supports: Supports, angles: Mapping[int, float]) -> list[str]:
-    """Warnings about corners that need a mesh refined towards them, from the `corner_angles`."""
+def infinite_moments(mesh: Mesh, supports: Supports, angles: Mapping[int, float]) -> dict[int, str]:
+    """Corners where moments grow without bound as the mesh is refined, with their kind, from the `corner_angles`."""
     held = np.zeros(len(mesh.edges), dtype=bool)
     clamped = np.zeros(len(mesh.edges), dtype=bool)
     for group in supports.held:
@@ -57,27 +57,31 @@ def singular_corners(mesh: Mesh, supports: Supports, angles: Mapping[int, float]
         turned = np.zeros(len(mesh.edges), dtype=bool)
         turned[group.edges] = True
         clamped[group.line] |= turned[group.line]
-    boundary = mesh.boundary_edges
     around: dict[int, list[int]] = {}
-    for e in boundary.tolist():
+    for e in mesh.boundary_edges.tolist():
         for v in mesh.edges[e].tolist():
             around.setdefault(v, []).append(e)
-    obtuse, re_entrant = [], []
+    out = {}
     for v, angle in angles.items():
         edges = around[v]
         if angle > RE_ENTRANT:
-            re_entrant.append((v, angle))
+            out[v] = "re-entrant corner"
         elif angle > OBTUSE and held[edges].all() and not clamped[edges].all():
-            obtuse.append((v, angle))
+            out[v] = "obtuse supported corner"
+    return out
+
+
+def singular_corners(mesh: Mesh, found: Mapping[int, str], angles: Mapping[int, float]) -> list[str]:
+    """Warnings about corners of `infinite_moments`, that need a mesh refined towards them."""
     out = []
-    for corners, kind in ((obtuse, "obtuse supported corner"), (re_entrant, "re-entrant corner")):
-        if corners:
-            v, angle = max(corners, key=lambda corner: corner[1])
-            out.append(
-                f"{count(len(corners), kind)}: at {place(mesh.points[v])} the edges meet at {np.degrees(angle):.0f} "
-                "degrees inside the plate, where moments grow without bound; values near it depend on the mesh, and "
-                "the deflection converges slowly: refine the mesh towards the corner"
-            )
+    for kind in sorted(set(found.values())):
+        corners = [(v, angles[v]) for v in found if found[v] == kind]
+        v, angle = max(corners, key=lambda corner: corner[1])
+        out.append(
+            f"{count(len(corners), kind)}: at {place(mesh.points[v])} the edges meet at {np.degrees(angle):.0f} "
+            "degrees inside the plate, where moments grow without bound; values near it depend on the mesh, and "
+            "the deflection converges slowly: refine the mesh towards the corner"
+        )
     return out
 
 

@@ -81,6 +81,9 @@ class PlateModel(Model):
     def warnings(self) -> list[str]:
         return self.problem.warnings()
 
+    def singular(self) -> dict[int, str]:
+        return self.problem.singular
+
     def warmth(self) -> list[Placed[Load]]:
         return [placed for _, placed in self.problem.loads.warmth]
 

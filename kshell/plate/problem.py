@@ -17,7 +17,7 @@ from kshell.mesh.check import plate_problems
 from kshell.mesh.words import count, place
 from kshell.plate.assembly import Assembled, assemble, assemble_load, assemble_loads
 from kshell.plate.conditions import SharedSlopes
-from kshell.plate.corners import corner_angles, singular_corners
+from kshell.plate.corners import corner_angles, infinite_moments, singular_corners
 from kshell.plate.domain import Domain
 from kshell.plate.fans import make_fans
 from kshell.plate.forms import Bending, Form
@@ -231,6 +231,11 @@ class PlateProblem:
         return self._locators[0]
 
     @cached_property
+    def singular(self) -> dict[int, str]:
+        """Corners where moments grow without bound, with their kind."""
+        return infinite_moments(self.mesh, self.supports, self.corner_angles)
+
+    @cached_property
     def corner_angles(self) -> dict[int, float]:
         """Interior angle at each corner of the boundary."""
         known = (
@@ -248,7 +253,7 @@ class PlateProblem:
 
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
-        corners = singular_corners(self.mesh, self.supports, self.corner_angles)
+        corners = singular_corners(self.mesh, self.singular, self.corner_angles)
         out = [*self.supports.warnings, *self.loads.warnings, *corners]
         ends = self.layout.fans.ends
         if len(ends):

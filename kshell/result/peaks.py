@@ -2,13 +2,14 @@
 
 Under a point force, at a point that is held and where a support ends on a smooth edge, moments and forces per length of
 thin plates and shells are infinite (M. L. Williams, Proc. 1st US Nat. Congr. Appl. Mech. (1952) 325-329; under a point
-force like log r): what a mesh gives there is a number of the mesh.
+force like log r), and at corners that turn into the structure: what a mesh gives there is a number of the mesh.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import partial
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -31,9 +32,14 @@ ROUNDING = 1e-7
 FACES = ("von_mises_top", "von_mises_middle", "von_mises_bottom")
 
 
-def peaks(structure: Structure) -> dict[int, str]:
-    """Vertices where stresses grow without bound, with what makes them."""
+NO_CORNERS: Mapping[int, str] = MappingProxyType({})
+
+
+def peaks(structure: Structure, corners: Mapping[int, str] = NO_CORNERS) -> dict[int, str]:
+    """Vertices where stresses grow without bound, with what makes them; `corners` are those of the model, with kind."""
     mesh, out = structure.space, {}
+    for vertex, kind in corners.items():
+        out[vertex] = f"{'an' if kind[0] in 'aeio' else 'a'} {kind}"
     for vertex in _ends_inside(structure).tolist():
         out[vertex] = "the end, or a corner, of a support inside"
     for vertex in _ends(structure).tolist():
@@ -109,9 +115,11 @@ def _ends_inside(structure: Structure) -> NDArray[np.integer]:
     return np.array(sorted(sharp), dtype=np.int64)
 
 
-def near_peaks(result: Result, structure: Structure) -> NDArray[np.bool_]:
+def near_peaks(
+    result: Result, structure: Structure, corners: Mapping[int, str] = NO_CORNERS
+) -> NDArray[np.bool_]:
     """(row,) whether rows lie within the reach of places where stresses grow without bound."""
-    found = list(peaks(structure))
+    found = list(peaks(structure, corners))
     near = np.zeros(len(result.points), dtype=bool)
     if found:
         stress = _largest(result)
@@ -138,13 +146,13 @@ def _within(
     return (distance <= reach) & (beside | (stress <= top))
 
 
-def mark_peaks(result: Result, structure: Structure) -> None:
+def mark_peaks(result: Result, structure: Structure, corners: Mapping[int, str] = NO_CORNERS) -> None:
     """Take the largest stress of a result away from peaks, and say so where it was one.
 
     `extremes["von_mises"]` gets the entry "peak", None or {"value", "at", "why"}; its value is then the largest
     farther from all of them than the thickness and two triangles, or nearer and above them.
     """
-    found = peaks(structure)
+    found = peaks(structure, corners)
     if "von_mises" not in result.extremes:
         return
     if not found:  # nothing is computed that nobody looks at

@@ -114,3 +114,24 @@ def test_a_larger_stress_of_another_cause_near_a_peak_is_no_number_of_the_mesh()
     assert found["peak"] is None
     assert found["value"] == pytest.approx(alone.extremes["von_mises"]["value"], rel=0.01)
     assert not [words for words in result.warnings if "without bound" in words]
+
+
+def test_a_corner_that_turns_into_the_plate_is_a_peak():
+    """Its stress grows on with every mesh; that of the rest does not."""
+    far, peaks = [], []
+    for n in (8, 16):
+        whole = rectangle(n)
+        centre = whole.points[whole.triangles].mean(axis=1)
+        kept = whole.triangles[(centre[:, 0] < 0.5) | (centre[:, 1] < 0.5)]
+        used = np.unique(kept)
+        mesh = ks.Mesh.from_arrays(whole.points[used], np.searchsorted(used, kept))
+        ends = mesh.edges[mesh.boundary_edges]
+        mesh = ks.Mesh.from_arrays(mesh.points, mesh.triangles, {"rim": ends})
+        with pytest.warns(ks.KshellWarning, match="grow without bound at a re-entrant corner"):
+            result = solved(mesh, [ks.SimplySupported("rim")], [ks.Pressure(1e4)])
+        found = result.extremes["von_mises"]
+        assert found["peak"]["at"] == pytest.approx([0.5, 0.5, 0.0])
+        far.append(found["value"])
+        peaks.append(found["peak"]["value"])
+    assert peaks[1] > 1.15 * peaks[0]
+    assert max(far) < min(peaks)
