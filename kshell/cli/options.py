@@ -43,14 +43,14 @@ def into(words: str) -> Any:
     return Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help=words)]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class Debugging:
     """What every command has."""
 
     debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of errors.")] = False
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class Trust(Debugging):
     """Of commands that read geometry."""
 
@@ -63,7 +63,7 @@ class Trust(Debugging):
     ] = False
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class Reading(Trust):
     """Of commands that read a scene file."""
 
@@ -82,7 +82,7 @@ class Reading(Trust):
         return scene_of(source, {}, self.set_ or [])
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class Running(Reading):
     """Of commands that solve."""
 
@@ -111,7 +111,7 @@ def require_scene(source: Path, command: str) -> None:
         raise InputError(f"{source}: {command} needs a scene file, .toml")
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class Files:
     """What is written, and where."""
 
@@ -158,14 +158,14 @@ class Files:
                 print(f"written, up to the last good step: {path}", file=sys.stderr)
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class ModeFiles(Files):
     """Of modes and buckling."""
 
     output: into("Write result.json, result.vtu and modes.pvd here.") = None  # type: ignore[valid-type]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class PathFiles(Files):
     """Of a path."""
 
@@ -175,7 +175,7 @@ class PathFiles(Files):
     ) = None
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class MotionFiles(Files):
     """Of a motion."""
 
@@ -207,7 +207,7 @@ def _groups(words: str) -> Any:
     return Annotated[list[str] | None, typer.Option(metavar="GROUP", help=f"{words} Repeatable.")]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class MeshFile:
     """What makes a scene of a mesh file."""
 
@@ -246,7 +246,7 @@ class MeshFile:
         return vars(self) | {"mesh_order": number(self.mesh_order)}
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
 class Solving:
     """Keys of [solve] that stand before those of the scene file."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib.resources import files
 from pathlib import Path
 from shlex import quote
 from typing import Annotated
@@ -39,6 +38,8 @@ def new(
         )
     folder = output or Path(kind)
     _require_empty(folder)
+    from importlib.resources import files
+
     from kshell.scene.schema import schema_text
 
     texts = {name: files("kshell.cli").joinpath("start", name).read_text("utf-8") for name in _names(kind)}
