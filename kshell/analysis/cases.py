@@ -73,7 +73,8 @@ def _require_possible(run: Run) -> None:
     if options.tolerance is not None and options.analysis == "static":
         raise InputError(
             f"tolerance = {options.tolerance:g} with load cases: every case would be refined to a mesh of its own, on "
-            "which there is no envelope; leave tolerance out, or solve one case alone, ks.solve(scene.of_case(name))"
+            "which there is no envelope; leave tolerance out, or solve one case alone: a scene file with its loads "
+            "and without [[case]], or ks.solve(scene.of_case(name))"
         )
 
 

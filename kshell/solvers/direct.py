@@ -22,6 +22,7 @@ from kshell.solvers.system import Floats, PlateSpace, Prepared, Product, Progres
 
 # A relative energy error that refinement could not push below this: the factorisation is not worth its name.
 HOPELESS = 1e-3
+OVERFLOWS = 1e140  # loads whose squares, over a stiffness, may be no number
 ATTAINABLE = 1e-9  # no smaller error is insisted on, whatever tolerance is asked for
 SHIFT = 1e-12  # stiffness, as part of the diagonal, that makes a singular matrix factorisable
 
@@ -129,6 +130,12 @@ class Factorisation(Prepared):
         self._unused = False
         limit = HOPELESS if tolerance is None else max(tolerance, ATTAINABLE)
         if not np.isfinite(x).all() or not history[-1] <= limit:
+            if np.abs(columns).max(initial=0.0) > OVERFLOWS:
+                raise SolveError(
+                    f"{self.name}: loads up to {np.abs(columns).max():.1e} have energies that numbers cannot hold; "
+                    "look at their units",
+                    state=solution,
+                )
             raise SolveError(
                 f"{self.name}: iterative refinement stalled at a relative energy error of {history[-1]:.1e}; "
                 "the system is nearly singular. Look for parts that hang together at a vertex, and for "

@@ -117,6 +117,13 @@ def test_motion_in_words_without_space():
     )
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize("method", BACKENDS)
+def test_loads_beyond_numbers_are_named(method):
+    with pytest.raises(SolveError, match="energies that numbers cannot hold"):
+        solve_system(beam(60), np.full(60, 1e300), method=method)
+
+
 def test_zero_load_gives_zero():
     solution = solve_system(beam(10), np.zeros(10))
     assert not solution.x.any()
