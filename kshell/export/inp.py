@@ -131,7 +131,7 @@ def _sections(structure: Structure) -> Iterator[str]:
     for k, (part_number, t, height) in enumerate(kinds.T):
         yield f"*ELSET, ELSET=SECTION_{k + 1}"
         yield from _listed(np.flatnonzero(which.ravel() == k))
-        shift = f", OFFSET={height / t:.12g}" if height else ""
+        shift = f", OFFSET={_number(height / t)}" if height else ""
         yield f"*SHELL SECTION, ELSET=SECTION_{k + 1}, MATERIAL=M{int(part_number) + 1}{shift}"
         yield _numbers([t])
 
@@ -144,10 +144,10 @@ def _step(name: str, scene: Scene, moved: Iterable[tuple[int, int, float]], forc
     prescribed = list(moved)
     if prescribed:
         yield "*BOUNDARY"
-        yield from (f"{n + 1}, {freedom}, {freedom}, {value:.16g}" for n, freedom, value in prescribed)
+        yield from (f"{n + 1}, {freedom}, {freedom}, {_number(value)}" for n, freedom, value in prescribed)
     rows, freedoms = np.nonzero(np.abs(forces) > 1e-14 * np.abs(forces).max(initial=0.0))
     yield "*CLOAD, OP=NEW"
-    yield from (f"{n + 1}, {k + 1}, {forces[n, k]:.16g}" for n, k in zip(rows, freedoms, strict=True))
+    yield from (f"{n + 1}, {k + 1}, {_number(forces[n, k])}" for n, k in zip(rows, freedoms, strict=True))
     yield from ("*NODE FILE, OUTPUT=2D", "U", "*EL FILE", "S")
     yield from ("*NODE PRINT, NSET=ALL, TOTALS=ONLY", "RF", "*END STEP")
 
@@ -158,7 +158,12 @@ def _listed(members: Ints) -> Iterator[str]:
 
 
 def _numbers(values: Any) -> str:
-    return ", ".join(f"{v + 0.0:.16g}" for v in values)
+    return ", ".join(map(_number, values))
+
+
+def _number(value: float) -> str:
+    """At most 20 characters, which is what CalculiX reads of a field: of longer ones it says that they are wrong."""
+    return f"{value + 0.0:.13g}"
 
 
 def _safe(name: str) -> str:

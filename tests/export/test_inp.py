@@ -140,3 +140,21 @@ def test_calculix_agrees(name, tmp_path):
     u = result.fields["displacement"][: len(result.mesh.points)]
     k = int(np.argmax(np.linalg.norm(u, axis=1)))
     np.testing.assert_allclose(there[k + 1], u[k], atol=0.02 * np.linalg.norm(u[k]))
+
+
+def test_numbers_are_short_enough_for_their_fields(tmp_path):
+    """CalculiX reads 20 characters of a field; coordinates that are nothing but rounding have many digits."""
+    mesh = ks.geometry.Plane().mesh(2, 2, order=1, u_range=(0, 1), v_range=(0, 1))
+    points = mesh.points.copy()
+    points[np.abs(points[:, 1]) < 1e-9, 1] = -7.347880794884123e-17
+    groups = {name: mesh.edges[group.members] for name, group in mesh.groups.items() if group.dimension == 1}
+    scene = plate(mesh=ks.Mesh.from_arrays(points, mesh.triangles, groups), thickness=1 / 30)
+    ks.write_inp(scene, tmp_path / "plate.inp")
+    fields = [
+        part.strip()
+        for _, lines in blocks(tmp_path / "plate.inp")
+        for line in lines
+        for part in line.split(",")
+    ]
+    assert any(part.startswith("-7.34788079488") for part in fields)
+    assert max(map(len, fields)) <= 20
