@@ -210,13 +210,15 @@ class ShellFields:
         barycentric = np.concatenate([1 - xi.sum(axis=1, keepdims=True), xi], axis=1)
         at_corner = np.flatnonzero(barycentric.max(axis=1) > AT_VERTEX)
         if len(at_corner):  # the mean of all triangles there is closer than the value of one
-            place = triangles[at_corner], barycentric[at_corner].argmax(axis=1)
-            corners, frames = self._vertices.corners
+            corner = barycentric[at_corner].argmax(axis=1)
+            known = self._vertices.around(self.mesh.triangles[triangles[at_corner], corner])
+            place = np.searchsorted(known.triangles, triangles[at_corner]), corner
+            corners, frames = known.corners
             means = {{"moment": "M", "membrane_force": "N"}.get(name, name): c for name, c in corners.items()}
-            means |= {"rotation": self._vertices.corner_rotation, "axis_1": frames[:, :, 0]}
+            means |= {"rotation": known.rotation, "axis_1": frames[:, :, 0]}
             means |= {"normal": frames[:, :, 2]}
             if "Q" in out:
-                means["Q"] = self._vertices.corner_shear
+                means["Q"] = known.shear
             for name, mean in means.items():
                 out[name][at_corner] = mean[place]
         return out

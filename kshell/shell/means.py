@@ -12,11 +12,13 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 
-def patch_means(mesh: Mesh, corner_angles: Floats, values: Floats, patches: Ints) -> Floats:
+def patch_means(vertices: Ints, corner_angles: Floats, values: Floats, patches: Ints) -> Floats:
     """Mean of corner values at each vertex of each patch, by the angles of the triangles.
 
     Parameters
     ----------
+    vertices : (triangle, 3) int array
+        The corners of the triangles.
     corner_angles : (triangle, 3)
     values : (triangle, 3, n)
         At the corners.
@@ -26,7 +28,7 @@ def patch_means(mesh: Mesh, corner_angles: Floats, values: Floats, patches: Ints
     -------
     (triangle, 3, n), the mean at each corner.
     """
-    key = patches.astype(np.int64)[:, None] * len(mesh.points) + mesh.triangles
+    key = patches.astype(np.int64)[:, None] * (int(vertices.max(initial=0)) + 1) + vertices
     _, place = np.unique(key.ravel(), return_inverse=True)
     weight = corner_angles.ravel()
     total = np.bincount(place, weights=weight)

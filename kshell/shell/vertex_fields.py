@@ -35,6 +35,7 @@ Ints = NDArray[np.integer]
 Left = Callable[[int, Ints, Floats], Floats]
 
 FACES = ("bottom", "middle", "top")
+FEW = 0.25  # of the triangles, around some vertices, that are worth looking at by themselves
 DEGREE = 4  # of the polynomials through which moments inside a triangle are differentiated
 SYMMETRIC = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])  # places of xx yy zz yz xz xy in the full tensor
 
@@ -95,6 +96,58 @@ class Recovered:
         return u, rotation
 
 
+class CornerMeans:
+    """Values at corners of some triangles, averaged over the triangles around each vertex.
+
+    Parameters
+    ----------
+    recovered : Recovered
+    triangles : (triangle,) int array
+        Increasing. At a vertex around which some are missing the means are not those of the shell.
+    vertices, corner_angles : (triangle, 3)
+        Of these triangles.
+    patches : (triangle,) int array
+        Of these triangles.
+    """
+
+    def __init__(
+        self, recovered: Recovered, triangles: Ints, vertices: Ints, corner_angles: Floats, patches: Ints
+    ) -> None:
+        self.recovered, self.triangles, self.vertices = recovered, triangles, vertices
+        self.corner_angles, self.patches = corner_angles, patches
+
+    @cached_property
+    def corners(self) -> tuple[dict[str, Floats], Floats]:
+        """Averaged values (triangle, 3, ...) at the corners by name, and the frames there (triangle, 3, 3, 3)."""
+        found, tensors = self.recovered.tensors(VERTICES, self.triangles)
+        names = list(tensors)
+        spatial = [in_space(tensors[name], found.axes) for name in names]
+        columns = np.concatenate([*spatial, found.axes[..., 2, :]], axis=-1)
+        means = self._average(columns, self.patches)
+        frame = frames_of_normals(means[..., -3:])
+        out = {name: in_frame(means[..., 6 * k : 6 * k + 6], frame) for k, name in enumerate(names)}
+        return out, frame
+
+    def _average(self, values: Floats, patches: Ints) -> Floats:
+        return patch_means(self.vertices, self.corner_angles, values, patches)
+
+    @cached_property
+    def motion(self) -> tuple[Floats, Floats]:
+        """Displacement and rotation at the corners of triangles (triangle, 3, 3)."""
+        return self.recovered.displacement(VERTICES, self.triangles)
+
+    @cached_property
+    def rotation(self) -> Floats:
+        """(triangle, 3, 3) at the corners, the mean of the triangles around the vertex."""
+        return self._average(self.motion[1], np.zeros(len(self.triangles), dtype=np.int64))
+
+    @cached_property
+    def shear(self) -> Floats:
+        """(triangle, 3, 2) shear forces at the corners, means of the patch, in the frames of `corners`."""
+        shear = self.recovered.shear(VERTICES, self.triangles)
+        return np.einsum("tcix,tcx->tci", self.corners[1][..., :2, :], self._average(shear, self.patches))
+
+
 class VertexFields:
     """Fields at the vertices.
 
@@ -113,20 +166,26 @@ class VertexFields:
         self.rows = Rows.of_patches(mesh, patches)
 
     @cached_property
-    def corners(self) -> tuple[dict[str, Floats], Floats]:
-        """Averaged values (triangle, 3, ...) at the corners by name, and the frames there (triangle, 3, 3, 3)."""
-        every = np.arange(len(self.mesh.triangles))
-        found, tensors = self.recovered.tensors(VERTICES, every)
-        names = list(tensors)
-        spatial = [in_space(tensors[name], found.axes) for name in names]
-        columns = np.concatenate([*spatial, found.axes[..., 2, :]], axis=-1)
-        means = self._average(columns, self.patches)
-        frame = frames_of_normals(means[..., -3:])
-        out = {name: in_frame(means[..., 6 * k : 6 * k + 6], frame) for k, name in enumerate(names)}
-        return out, frame
+    def every(self) -> CornerMeans:
+        """The means at the corners of all triangles."""
+        return self._means(np.arange(len(self.mesh.triangles)))
 
-    def _average(self, values: Floats, patches: Ints) -> Floats:
-        return patch_means(self.mesh, self.corner_angles, values, patches)
+    def around(self, vertices: Ints) -> CornerMeans:
+        """The means at some vertices: of the triangles around them alone where these are few, and not known anyway."""
+        if "corners" not in self.every.__dict__:
+            near = np.flatnonzero(np.isin(self.mesh.triangles, vertices).any(axis=1))
+            if len(near) <= FEW * len(self.mesh.triangles):
+                return self._means(near)
+        return self.every
+
+    def _means(self, triangles: Ints) -> CornerMeans:
+        return CornerMeans(
+            self.recovered,
+            triangles,
+            self.mesh.triangles[triangles],
+            self.corner_angles[triangles],
+            self.patches[triangles],
+        )
 
     @cached_property
     def fields(self) -> Deferred[Floats]:
@@ -139,34 +198,18 @@ class VertexFields:
             *(f"stress_{face}" for face in faces),
         )
         makers: dict[str, Callable[[], Floats]] = {
-            "displacement": lambda: self._at_rows(self._motion[0]),
-            "rotation": lambda: self._at_rows(self.corner_rotation),
+            "displacement": lambda: self._at_rows(self.every.motion[0]),
+            "rotation": lambda: self._at_rows(self.every.rotation),
             **{name: partial(self._tensor, name) for name in spatial},
             **{f"von_mises_{face}": partial(self._von_mises, face) for face in faces},
             "principal_forces": lambda: principal(self._tensor("membrane_force")),
             "principal_moments": lambda: principal(self._tensor("moment")),
-            "frame_axis_1": lambda: self._at_rows(self.corners[1])[:, 0],
-            "normal": lambda: self._at_rows(self.corners[1])[:, 2],
+            "frame_axis_1": lambda: self._at_rows(self.every.corners[1])[:, 0],
+            "normal": lambda: self._at_rows(self.every.corners[1])[:, 2],
         }
         if not self.recovered.recovery.constant_moments:
-            makers["shear"] = lambda: self._at_rows(self.corner_shear)
+            makers["shear"] = lambda: self._at_rows(self.every.shear)
         return Deferred(makers)
-
-    @cached_property
-    def _motion(self) -> tuple[Floats, Floats]:
-        """Displacement and rotation at the corners of triangles (triangle, 3, 3)."""
-        return self.recovered.displacement(VERTICES, np.arange(len(self.mesh.triangles)))
-
-    @cached_property
-    def corner_rotation(self) -> Floats:
-        """(triangle, 3, 3) at the corners, the mean of the triangles around the vertex."""
-        return self._average(self._motion[1], np.zeros(len(self.mesh.triangles), dtype=np.int64))
-
-    @cached_property
-    def corner_shear(self) -> Floats:
-        """(triangle, 3, 2) shear forces at the corners, means of the patch, in the frames of `corners`."""
-        shear = self.recovered.shear(VERTICES, np.arange(len(self.mesh.triangles)))
-        return np.einsum("tcix,tcx->tci", self.corners[1][..., :2, :], self._average(shear, self.patches))
 
     def _at_rows(self, values: Floats) -> Floats:
         """(row, ...) of values at corners (triangle, 3, ...) that are the same at all corners of a row."""
@@ -175,7 +218,7 @@ class VertexFields:
         return out
 
     def _tensor(self, name: str) -> Floats:
-        return self._at_rows(self.corners[0][name])
+        return self._at_rows(self.every.corners[0][name])
 
     def _von_mises(self, face: str) -> Floats:
         return von_mises(self._tensor(f"stress_{face}"))

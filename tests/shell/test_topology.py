@@ -69,7 +69,7 @@ def test_averages_stay_within_patches():
     surface = Surface(fold(), 1)
     patches = topology.smooth_patches(surface)
     values = np.repeat(patches[:, None, None].astype(float), 3, axis=1)
-    assert np.allclose(patch_means(surface.mesh, surface.corner_angles, values, patches), values)
+    assert np.allclose(patch_means(surface.mesh.triangles, surface.corner_angles, values, patches), values)
 
 
 def test_largest_curvature():
