@@ -44,7 +44,9 @@ SUPPORT_COLOURS = {
     "fixed": "#00838f",
     "elastic": "#b8860b",
 }
-LOAD_COLOUR = "#c0392b"
+# of the loads, one after the other; none is that of a support
+LOAD_COLOURS = ("#c0392b", "#d81b9a", "#ef6c00", "#3b2fd1", "#6d4c00", "#00a3c4")
+ASIDE = 0.02  # of the size: symbols of further loads on one surface stand beside those of the first
 SIGNS = 40  # about this many hatch strokes along the diagonal of the plate
 
 
@@ -66,8 +68,8 @@ def plot_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figure:
     if scene is not None:
         for support in on_mesh(scene.supports, scene):
             _draw_support(axes, mesh, support)
-        for load in on_mesh(scene.loads, scene):
-            _draw_load(axes, mesh, load, scene.solve.time)
+        for number, load in enumerate(on_mesh(scene.loads, scene)):
+            _draw_load(axes, mesh, load, scene.solve.time, number)
         _draw_material_axes(axes, mesh, scene)
         if not is_flat(mesh.points):
             for words in top_words(mesh):
@@ -137,31 +139,36 @@ def _draw_supported_edges(
         axes.plot([], [], color=colour, linewidth=3, linestyle=style, label=label)
 
 
-def _draw_load(axes: Axes, mesh: Mesh, load: Load, end: float | None) -> None:
+def load_colour(number: int) -> str:
+    """Of a load in pictures, by its number."""
+    return LOAD_COLOURS[number % len(LOAD_COLOURS)]
+
+
+def _draw_load(axes: Axes, mesh: Mesh, load: Load, end: float | None, number: int) -> None:
+    colour = load_colour(number)
     label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
     if load.on is None:
         chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     else:
         chosen = select(mesh, load.on, what=str(load))
     if load.kind in ("temperature", "initial_curvature"):
-        _tint(axes, mesh, chosen, LOAD_COLOUR, label)
+        _tint(axes, mesh, chosen, colour, label)
         return
     points = _places(mesh, chosen)
     if load.kind == "edge_moment":
-        axes.plot(
-            *points.T[:2], marker="D", color=LOAD_COLOUR, markersize=4, linestyle="", label=label, zorder=6
-        )
+        axes.plot(*points.T[:2], marker="D", color=colour, markersize=4, linestyle="", label=label, zorder=6)
         return
     at = beside(mesh, chosen.members, points) if load.needs_normal else points
     values = largest_values(load, at, end)
     vector = values if values.ndim == 2 else values[:, None] * np.array([0.0, 0.0, 1.0])
     if load.kind == "point_moment":
-        _arrows(axes, mesh, points, vector, label, heads=2)
+        _arrows(axes, mesh, points, vector, label, colour, heads=2)
         return
-    _forces(axes, mesh, points, vector, label)
+    aside = ASIDE * mesh.size * number if chosen.dimension == 2 else 0.0
+    _forces(axes, mesh, points + np.array([aside, 0.0, 0.0]), vector, label, colour)
 
 
-def _forces(axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str) -> None:
+def _forces(axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str, colour: str) -> None:
     most = np.abs(vector).max()
     if most == 0.0:
         axes.plot([], [], linestyle="", label=f"{label} (zero)")
@@ -175,14 +182,16 @@ def _forces(axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str) 
         if len(x):
             text = f"{label} ({words})"
             axes.plot(
-                *x.T[:2], marker=marker, markersize=11, color=LOAD_COLOUR, linestyle="", label=text, zorder=6
+                *x.T[:2], marker=marker, markersize=11, color=colour, linestyle="", label=text, zorder=6
             )
     flat = np.abs(vector[:, :2]).max(axis=1) > seen
     if flat.any():
-        _arrows(axes, mesh, points[flat], vector[flat], label, heads=1)
+        _arrows(axes, mesh, points[flat], vector[flat], label, colour, heads=1)
 
 
-def _arrows(axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str, heads: int) -> None:
+def _arrows(
+    axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str, colour: str, heads: int
+) -> None:
     length = np.linalg.norm(vector[:, :2], axis=1).max()
     arrow = vector[:, :2] * (0.08 * mesh.size / length if length else 0.0)
     axes.update_datalim(points[:, :2] + arrow)
@@ -193,10 +202,10 @@ def _arrows(axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str, 
             angles="xy",
             scale_units="xy",
             scale=1,
-            color=LOAD_COLOUR,
+            color=colour,
             zorder=6,
         )
-    axes.plot([], [], color=LOAD_COLOUR, marker=">", label=label)
+    axes.plot([], [], color=colour, marker=">", label=label)
 
 
 def _places(mesh: Mesh, chosen: Selection) -> Floats:

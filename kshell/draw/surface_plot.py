@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kshell.draw.canvas import FEW_TRIANGLES, LETTERS, add_below, colour_bar, colours, flat_triangles
 from kshell.draw.in_time import largest_values
 from kshell.draw.marks import USUAL, draw_marks, marks, seeing
-from kshell.draw.scene_plot import LOAD_COLOUR, SUPPORT_COLOURS, amount, material_axes, on_mesh
+from kshell.draw.scene_plot import ASIDE, SUPPORT_COLOURS, amount, load_colour, material_axes, on_mesh
 from kshell.material.by_group import ELSE
 from kshell.mesh import Mesh, Selection, select
 from kshell.result.vtu import at_nodes
@@ -146,8 +146,8 @@ def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figu
     if scene is not None:
         for support in on_mesh(scene.supports, scene):
             _draw_support(axes, mesh, nodes, support)
-        for load in on_mesh(scene.loads, scene):
-            _draw_load(axes, mesh, nodes, load, scene.solve.time)
+        for number, load in enumerate(on_mesh(scene.loads, scene)):
+            _draw_load(axes, mesh, nodes, load, scene.solve.time, number)
         _draw_material_axes(axes, mesh, scene)
         for name, point in scene.probes.items():
             axes.plot(*np.array(point)[:, None], marker="+", color="black", markersize=9, linestyle="")
@@ -250,13 +250,14 @@ def _mark(axes: Any, mesh: Mesh, nodes: Floats, chosen: Selection, colour: str, 
         axes.plot([], [], [], marker="s", markersize=10, alpha=0.4, color=colour, linestyle="", label=label)
 
 
-def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load, end: float | None) -> None:
+def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load, end: float | None, number: int) -> None:
+    colour = load_colour(number)
     label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
     chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     if load.on is not None:
         chosen = select(mesh, load.on, what=str(load))
     if load.kind in ("temperature", "initial_curvature", "edge_moment"):
-        _mark(axes, mesh, nodes, chosen, LOAD_COLOUR, label)
+        _mark(axes, mesh, nodes, chosen, colour, label)
         return
     points, normals = _places(mesh, nodes, chosen)
     values = largest_values(load, np.hstack([points, normals]) if load.needs_normal else points, end)
@@ -266,12 +267,14 @@ def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load, end: float | No
         axes.plot([], [], [], linestyle="", label=f"{label} (zero)")
         return
     arrow = 0.12 * mesh.size * vector / most
+    if chosen.dimension == 2:
+        points = points + np.array([ASIDE * mesh.size * number, 0.0, 0.0])
     heads = (1.0, 0.75) if load.kind == "point_moment" else (1.0,)
     for reach in heads:  # a moment has two heads
         axes.quiver(
-            *points.T, *(reach * arrow).T, color=LOAD_COLOUR, linewidths=1.4, arrow_length_ratio=0.3, zorder=7
+            *points.T, *(reach * arrow).T, color=colour, linewidths=1.4, arrow_length_ratio=0.3, zorder=7
         )
-    axes.plot([], [], [], color=LOAD_COLOUR, marker=">", label=label)
+    axes.plot([], [], [], color=colour, marker=">", label=label)
 
 
 def _places(mesh: Mesh, nodes: Floats, chosen: Selection) -> tuple[Floats, Floats]:
