@@ -24,7 +24,7 @@ Ints = NDArray[np.int64]
 
 LOOSE = 1e-10  # resistance to a motion, relative to the largest one in the piece
 UNRESISTED = 1e-24  # of conditions, whose rows are of size one, that is rounding
-LOST = 0.5  # rounding of a sum of forces, in units of the last digit of all together, over the root of their number
+LOST = 5.0  # rounding of a sum of forces, in units of the last digit of all together, over the root of their number
 DRIFT = 1e-3  # motion by rounding over the largest deflection that is worth saying
 
 

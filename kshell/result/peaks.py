@@ -29,6 +29,7 @@ Floats = NDArray[np.float64]
 # cosine of the angle by which a boundary may turn at the end of a support that is no corner
 SMOOTH = np.cos(np.radians(45.0))
 ROUNDING = 1e-7
+ALIKE = 1.001  # of the largest stress elsewhere: what is no larger is no peak
 FACES = ("von_mises_top", "von_mises_middle", "von_mises_bottom")
 
 
@@ -172,7 +173,11 @@ def mark_peaks(result: Result, structure: Structure, corners: Mapping[int, str] 
     entry: dict[str, Any] = {**result.extremes["von_mises"], "peak": None}
     if why and not near.all() and entry["value"] > _rounding(result, structure):
         peak = {key: entry[key] for key in ("value", "at")}
-        entry |= {**largest_stress(result.rows, result.fields, near), "peak": {**peak, "why": why}}
+        farther = largest_stress(result.rows, result.fields, near)
+        if peak["value"] <= ALIKE * farther["value"]:  # as large elsewhere: nothing grows there
+            result.extremes["von_mises"] = entry
+            return
+        entry |= {**farther, "peak": {**peak, "why": why}}
         result.warnings.append(
             f"stresses grow without bound at {why} as the mesh is refined: {peak['value']:.4g} there is a number of "
             f"the mesh; farther than {radius:.3g} from such places the largest is {entry['value']:.4g}"
