@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from kshell.analysis.cost import cost_lines
-from kshell.analysis.model_choice import BENDING, choose_model
+from kshell.analysis.model_choice import choose_model
 from kshell.analysis.models import as_analysed, model_as
+from kshell.analysis.sense import BENDING
 from kshell.errors import InputError
 from kshell.mesh import Mesh, check
 from kshell.mesh.check import Quality, Summary

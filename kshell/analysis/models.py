@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from kshell.analysis.model_choice import BENDING, ModelChoice, choose_model
+from kshell.analysis.model_choice import ModelChoice, choose_model
+from kshell.analysis.sense import BENDING
 from kshell.distributed.refuse import refuse_model
 from kshell.distributed.team import Team, team_of
 from kshell.equilibrium.model import Model
