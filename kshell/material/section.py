@@ -257,15 +257,6 @@ class Section:
         )
         return both[..., :3], both[..., 3:]
 
-    def stress_factors(self, triangles: Ints, points: Floats) -> tuple[Floats, Floats]:
-        """Factors (n, q, 3, 3) F of the stress sigma = F w'' at the top (z = t/2) and at the bottom.
-
-        For one isotropic material sigma = F w'' equals 12 M z / t^3. Initial curvature is subtracted from
-        w'' by the caller.
-        """
-        top, bottom = (-self.stress(face, triangles, points)[1] for face in (TOP, BOTTOM))
-        return top, bottom
-
     @property
     def _centroids(self) -> Floats:
         return self._mesh.points[self._mesh.triangles].mean(axis=1)

@@ -85,7 +85,7 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         strain_energy=strain_energy,
         energies=energies,
         external_work=work,
-        evaluate=fields.at,
+        evaluate=fields.all_at,
         error=error,
         warnings=warnings + probed.warnings,
     )

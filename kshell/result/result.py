@@ -219,6 +219,12 @@ class Result:
     def at(self, points: ArrayLike) -> dict[str, Floats]:
         """Values at any points (n, 3) or (3,), as for a probe; arrays have one row per point.
 
+        Returns
+        -------
+        dict
+            x, u, rotation, M, N (n, 3), distance (n,) of the points from x, and where stresses are known stress_top,
+            stress_middle and stress_bottom (n, 3). N of a plate is zero.
+
         Raises
         ------
         InputError
@@ -231,7 +237,10 @@ class Result:
             raise InputError(f"points of shape {x.shape}: give (n, 3) finite coordinates")
         if self.evaluate is None:
             raise SolveError("this result has values at vertices only: look at result.fields")
-        return {key: value for key, value in self.evaluate(np.atleast_2d(x)).items() if key != "triangle"}
+        values = {key: value for key, value in self.evaluate(np.atleast_2d(x)).items() if key != "triangle"}
+        if "M" in values:
+            values.setdefault("N", np.zeros_like(values["M"]))
+        return values
 
     @property
     def envelope(self) -> Envelope:

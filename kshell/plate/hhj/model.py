@@ -181,7 +181,7 @@ class HHJModel(Model):
             strain_energy=system.energy(found),
             energies=energies,
             external_work=0.5 * (found.work + work_of_supports(system, found)),
-            evaluate=fields.at,
+            evaluate=fields.all_at,
             error=error,
             warnings=warnings + probed.warnings,
         )
