@@ -16,11 +16,13 @@ from kshell.error.assessment import ENERGY, Assessment
 from kshell.error.bounds import PlatePair
 from kshell.error.curve_doubt import turns
 from kshell.error.marking import doerfler
+from kshell.error.plate_averages import at_chords
 from kshell.error.plates import geometry_share
 from kshell.error.shells import shape_marks
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect, cuttable
 from kshell.mesh.words import place
+from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 from kshell.shell.koiter.model import KoiterModel
 
@@ -81,11 +83,27 @@ def next_mesh(loop: Refinement, level: Level, tolerance: float) -> Mesh:
     return bisect(once.mesh, np.flatnonzero(np.isin(once.parent, worst))).mesh
 
 
+def share_of_shape(loop: Refinement, model: Model, found: Assessment) -> float:
+    """Relative error because of the shape of a mesh: what refining adds nothing to, and what it does."""
+    followed = loop.refiner.followed
+    if followed is None:
+        return max(found.geometry or 0.0, loop.frozen)
+    assert isinstance(model, PlateModel | HHJModel)
+    domain = model.problem.domain
+    if not domain.curves.curved.any():  # Morley plates end at chords
+        return loop.frozen + (found.geometry or 0.0)
+    return loop.frozen + geometry_share(domain, followed.missed(domain))
+
+
 def _of_bad_shape(loop: Refinement, level: Level, tolerance: float) -> Ints:
     """Triangles that miss the shape they could have, where that matters."""
     followed, model, state = loop.refiner.followed, level.model, level.answered and level.answered.state
-    if followed is not None and isinstance(model, PlateModel):
+    if followed is not None and isinstance(model, PlateModel | HHJModel):
         domain = model.problem.domain
+        if not domain.curves.curved.any():
+            if (level.assessment.geometry or 0.0) - loop.frozen < SHARE_SHAPE * tolerance:
+                return np.zeros(0, dtype=np.int64)
+            return at_chords(model.problem, SHARE_ESTIMATES)
         missed = followed.missed(domain)
         if geometry_share(domain, missed) >= SHARE_SHAPE * tolerance:
             worst = domain.curves.edges[doerfler(missed * turns(domain.curves), SHARE_ESTIMATES)]

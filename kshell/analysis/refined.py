@@ -8,12 +8,13 @@ and is graded toward corners whose exponents are known. Then: solve, estimate, s
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.first_mesh import order_of_moments, plate_start, shell_start
-from kshell.analysis.levels import Level, Refinement, blocked, next_mesh
+from kshell.analysis.levels import Level, Refinement, blocked, next_mesh, share_of_shape
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
@@ -27,6 +28,7 @@ from kshell.errors import InputError, Interrupted, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
 from kshell.mesh.words import count
+from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 from kshell.result.result import Result
 from kshell.shell.koiter.model import KoiterModel
@@ -62,27 +64,21 @@ def analyse(model: Model, run: Run) -> Result:
         run = run.with_options(element="koiter")
         model = run.model()
     first: Answered | None = None
-    if not (isinstance(model, PlateModel) and run.options.large_deflection is False):
+    if not (isinstance(model, PlateModel | HHJModel) and run.options.large_deflection is False):
         first = answer_once(model, run)  # which decides between plate and shell, small and large deflections
         model = first.model
-    if (not isinstance(model, KoiterModel) and model.element != "argyris") or (
-        model.element == "argyris" and model.kind == "shell"
-    ):
-        raise InputError(
-            f"tolerance with the element {model.element}: meshes are not refined with it; leave element out, or take "
-            + ('"argyris"' if model.kind == "plate" else '"koiter"')
-        )
+    held: dict[str, Any] = {"model": model.kind, "element": model.element}
+    if model.element == "hhj":  # whose order is that of the number of triangles otherwise
+        held["order"] = model.order
     run = run.with_options(
-        model=model.kind,
-        element=model.element,
-        large_deflection=first is not None and bool(first.result.model["large_deflection"]),
+        **held, large_deflection=first is not None and bool(first.result.model["large_deflection"])
     )
     mesh = longest_first(model.structure.parameters)
     loop = Refinement(run, names, False, begin, Refiner(run.scene, model))
     followed = loop.refiner.followed
-    if isinstance(model, PlateModel):
+    if isinstance(model, PlateModel | HHJModel):
         mesh, loop.pair = plate_start(model, mesh, names, run)
-    else:
+    elif isinstance(model, KoiterModel):
         assert first is not None
         mesh = shell_start(run, mesh, _membrane(model, first))
     if followed is not None:
@@ -169,14 +165,10 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
     else:
         answered = answer_once(run.model(), run)
         model, result = answered.model, answered.result
-        found = assess(model, answered.state, result, 3 * len(loop.names), loop.names)
-        followed = loop.refiner.followed
-        if followed is None:
-            found.geometry = max(found.geometry or 0.0, loop.frozen)
-        else:
-            assert isinstance(model, PlateModel)
-            domain = model.problem.domain
-            found.geometry = loop.frozen + geometry_share(domain, followed.missed(domain))
+        found = assess(model, answered.state, result, 3 * len(loop.names), loop.names, marks=True)
+        if found.energy is None:
+            raise InputError(f"tolerance: {found.why_not}")
+        found.geometry = share_of_shape(loop, model, found)
         found.with_share((result.error["budget"]["algebra"] or 0.0) + found.geometry)
         unknowns = result.unknowns
     wanted = loop.names or [ENERGY]

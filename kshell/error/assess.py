@@ -19,6 +19,7 @@ def assess(
     result: Result,
     duals: int = DUALS,
     names: Sequence[str] | None = None,
+    marks: bool = False,
 ) -> Assessment:
     """How far a result may be from the exact one of its model.
 
@@ -33,6 +34,8 @@ def assess(
         How many dual solutions may be made.
     names : sequence of str, optional
         Probes; all if absent.
+    marks : bool
+        Whether triangles are to be marked for refinement where that is work of its own.
     """
     wanted = list(model.structure.probes) if names is None else list(names)
     rest: Any = answer
@@ -57,4 +60,4 @@ def assess(
         )
     from kshell.error.two_elements import assess_difference
 
-    return assess_difference(of, rest, result, wanted)
+    return assess_difference(of, rest, result, wanted, marks)
