@@ -38,7 +38,7 @@ def curve_doubt(domain: Domain) -> Floats:
         chord = domain.points[mesh.edges[curves.edges[bent]]].mean(axis=1)
         off = chord + curves.deviation(bent, np.array([0.5]))[:, 0] - mesh.midpoints[curves.edges[bent], :2]
         # where along the edge the node lies says nothing of its shape
-        along = domain.edge_motion(curves.edges[bent].astype(np.int64), np.array([0.5]))[0][:, 0]
+        along = domain.edge_motion(curves.edges[bent].astype(np.int64), np.array([0.5]))[1][:, 0]
         across = off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]
         out[bent] += np.abs(across) / np.linalg.norm(along, axis=1)
     return out

@@ -30,6 +30,8 @@ Ints = NDArray[np.int64]
 
 KEPT = 3  # batches whose maps are kept
 BLOCK = 1024  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
+OPPOSITE = np.array([2, 0, 1])  # the vertex that is not on a local edge
+BEYOND = 6  # points along a curved edge more than polynomials of its chord ask for
 GRADIENTS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the barycentric coordinates
 
 
@@ -183,6 +185,45 @@ class Domain:
         return self._curved_patches[key]
 
     def _make_curved_patch(self, block: Ints, degree: int) -> Patch:
+        curves, edges = self.curves, self.mesh.triangle_edges[block]
+        place = np.minimum(curves.place(edges), len(curves.edges) - 1)
+        bent = (curves.edges[place] == edges) & curves.curved[place]
+        one = bent.sum(axis=1) == 1
+        local = bent.argmax(axis=1)
+        xy, weights = self._rays(block, local, degree)
+        one &= (weights > 0).all(axis=1)
+        if not one.all():
+            rest = np.flatnonzero(~one)
+            more_xy, more = self._bulged(block[rest], degree)
+            short = more.shape[1] - weights.shape[1]
+            pad = ((0, 0), (0, max(short, 0)))
+            xy, weights = np.pad(xy, (*pad, (0, 0)), mode="edge"), np.pad(weights, pad)
+            pad = ((0, 0), (0, max(-short, 0)))
+            xy[rest], weights[rest] = np.pad(more_xy, (*pad, (0, 0)), mode="edge"), np.pad(more, pad)
+        return Patch(block, self.affine(block).reference_coordinates(xy), xy, weights)
+
+    def _rays(self, block: Ints, local: NDArray[np.integer], degree: int) -> tuple[Floats, Floats]:
+        """Places and weights on rays from the corner opposite a curved edge, c + t (gamma(s) - c).
+
+        The Jacobian is t times the cross product of gamma - c and gamma'; polynomials are of their own degree along t.
+        """
+        t, along_ray = interval_rule((degree + 3) // 2)
+        s, across = interval_rule(degree // 2 + BEYOND)
+        edges = self.mesh.triangle_edges[block, local]
+        place, speed, _ = self.edge_motion(edges, s)
+        corner = self.points[self.mesh.triangles[block, OPPOSITE[local]]]
+        spoke = place - corner[:, None]
+        area = spoke[..., 0] * speed[..., 1] - spoke[..., 1] * speed[..., 0]
+        # triangles run counter-clockwise, edges from the lower to the higher vertex
+        first, second = EDGE_VERTICES[local].T
+        ends = self.mesh.triangles[block[:, None], np.stack([first, second], axis=1)]
+        area *= np.where((ends[:, 0] < ends[:, 1]) == (local != 2), 1.0, -1.0)[:, None]
+        xy = corner[:, None, None] + t[:, None, None] * spoke[:, None]
+        weights = (t * along_ray)[:, None] * (area * across)[:, None]
+        return xy.reshape(len(block), -1, 2), weights.reshape(len(block), -1)
+
+    def _bulged(self, block: Ints, degree: int) -> tuple[Floats, Floats]:
+        """Places and weights by the curved map, for triangles with more than one curved edge."""
         xi, w = triangle_rule(degree + 8)  # the Jacobian of the curved map is of degree 8, of arcs nearly so
         affine = self.affine(block)
         shift, gradient = self._bulge(block, xi)
@@ -196,7 +237,7 @@ class Domain:
                 f"the triangle at ({x:g}, {y:g}) folds over: its curved edge bulges past the opposite corner; "
                 "refine the mesh along that edge"
             )
-        return Patch(block, affine.reference_coordinates(xy), xy, area * w)
+        return xy, area * w
 
     def _bulge(self, block: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Displacement (n, point, 2) of the curved map and its gradient (n, point, 2, d / d xi)."""
@@ -296,10 +337,11 @@ class Domain:
             bend[here] = second
         return offset, speed, bend
 
-    def edge_motion(self, edges: Ints, s: Floats) -> tuple[Floats, Floats]:
-        """First and second derivatives (n, point, 2) of edges by s in [0, 1], from the lower to the higher vertex."""
+    def edge_motion(self, edges: Ints, s: Floats) -> tuple[Floats, Floats, Floats]:
+        """Places, first and second derivatives (n, point, 2) of edges by s, 0 to 1 from lower to higher vertex."""
         ends = self.points[self.mesh.edges[edges]]
-        return self._motion(edges, ends[:, 1] - ends[:, 0], s)[1:]
+        offset, speed, bend = self._motion(edges, ends[:, 1] - ends[:, 0], s)
+        return ends[:, :1] + offset, speed, bend
 
     @staticmethod
     def _on_chord(local: Ints, sense: Floats, s: Floats) -> Floats:
