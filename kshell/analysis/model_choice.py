@@ -126,7 +126,8 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return options.model, f"kind {options.model}: as asked for"
     if chart is not None:
         return "shell", f"kind shell: the mesh lies in the parameter plane of {shown(chart)}"
-    flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
+    middles = mesh.midpoints
+    flat = mesh.is_flat if middles is None else is_flat(np.concatenate([mesh.points, middles]))
     if options.element == "hhj":
         return "plate", "kind plate: element hhj was asked for"
     if options.element == "koiter" or options.order != "auto":

@@ -205,6 +205,10 @@ class Section:
         InputError
             If parts differ in it, or layers harden, or a material relaxes and yields.
         """
+        return self._inelastic
+
+    @cached_property
+    def _inelastic(self) -> Inelastic:
         relaxation = relaxation_of(material for part in self.parts for material in (part.materials or [None]))
         for part in self.parts:
             if len(part.materials) > 1 and any(getattr(m, "hardening", None) for m in part.materials):
@@ -212,6 +216,8 @@ class Section:
                     f"{part.what}: layers do not yield: sections yield as a whole, of one material; leave hardening out"
                 )
         single = [part.materials[0] if len(part.materials) == 1 else None for part in self.parts]
+        if not any(getattr(material, "hardening", None) for material in single):
+            return Inelastic(relaxation)
         every = np.arange(len(self._mesh.triangles))
         yielding = yielding_of(single, self._part, self.thickness(every, self._centroids[:, None])[:, 0])
         if relaxation and yielding is not None:

@@ -97,6 +97,11 @@ class Above:
     def __init__(self, fields: Fields, mesh: Mesh) -> None:
         self.fields, self.height = fields, float(mesh.points[0, 2])
 
+    @property
+    def has_sheets(self) -> bool:
+        """Whether moments or stresses may differ between the sides of a line."""
+        return self.fields.lines.may_jump
+
     def at(self, points: Floats) -> dict[str, Floats]:
         """At the nearest points."""
         return self._measured(self.fields.at(points), points)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.plate.conditions import Conditions
@@ -75,7 +74,8 @@ def require_held(
 ) -> list[Hanging]:
     """The motions that springs alone resist; InputError if a piece of the plate can move freely, naming both."""
     mesh = domain.mesh
-    piece_count, piece = pieces(mesh)
+    piece = mesh.sheets
+    piece_count = int(piece.max()) + 1
     gram = np.zeros((piece_count, 3, 3))
     centres, sizes = _extent(mesh, piece, piece_count)
 
@@ -134,16 +134,6 @@ def _hanging(by_conditions: Floats, stiffness: Floats) -> list[Hanging]:
         if loose.shape[1]:
             out.append(Hanging(loose.T @ stiff @ loose))
     return out
-
-
-def pieces(mesh: Mesh) -> tuple[int, Ints]:
-    """Number of pieces joined along edges, and the piece of each triangle; no edge has more than two triangles."""
-    n = len(mesh.triangles)
-    last = np.empty(len(mesh.edges), dtype=np.int32)
-    last[mesh.triangle_edges] = np.arange(n, dtype=np.int32)[:, None]
-    # across each edge the other triangle, or the same one at the boundary: links go both ways
-    neighbour = (mesh.edge_owner[:, 0] + last)[mesh.triangle_edges] - np.arange(n, dtype=np.int32)[:, None]
-    return connected_parts(n, np.repeat(np.arange(n), 3), neighbour.ravel())
 
 
 def _extent(mesh: Mesh, piece: Ints, count: int) -> tuple[Floats, Floats]:

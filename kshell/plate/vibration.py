@@ -14,7 +14,7 @@ from kshell.plate.assembly import assemble, residual
 from kshell.plate.pattern import Pattern
 from kshell.plate.planes import plane_slopes
 from kshell.plate.problem import PlateProblem
-from kshell.plate.rigid import pieces, rigid_of_triangles
+from kshell.plate.rigid import rigid_of_triangles
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,8 @@ class Weights:
     """Mass of a plate: total, centre and moments of inertia, of pieces and of the whole."""
 
     def __init__(self, problem: PlateProblem) -> None:
-        self.count, self.piece = pieces(problem.mesh)
+        self.piece = problem.mesh.sheets
+        self.count = int(self.piece.max()) + 1
         z = float(problem.mesh.points[0, 2])
         moments = np.zeros((self.count, 6))  # of 1, x, y, xx, yy, xy
         for patch in problem.domain.patches(4):

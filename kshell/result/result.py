@@ -69,7 +69,7 @@ class Result:
     frame : str
         The axes of M, N and of stresses.
     probes : dict of str to dict
-        Per probe x, u, rotation, M, N, stress_top, stress_bottom as arrays.
+        Per probe x, u, rotation, M, N, stress_top, stress_bottom as arrays, found when they are first looked at.
     reactions : dict of str to dict
         Per support group force (3,) and moment (3,) of the support on the plate.
     balance : float
@@ -143,7 +143,7 @@ class Result:
     units: str = ""
     analysis: str = "static"
     frame: str = "global x, y"
-    probes: dict[str, dict[str, Any]] = field(default_factory=dict)
+    probes: MutableMapping[str, dict[str, Any]] = field(default_factory=dict)
     reactions: Mapping[str, MutableMapping[str, Any]] = field(default_factory=dict)
     balance: float = 0.0
     strain_energy: float = 0.0
@@ -174,7 +174,7 @@ class Result:
     nodal_values: str = ""
     writer: Callable[..., list[str]] | None = None
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
-    probe_triangles: dict[tuple[str, str], int] = field(default_factory=dict)
+    probe_triangles: MutableMapping[tuple[str, str], int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.rows is None:

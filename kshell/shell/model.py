@@ -187,7 +187,7 @@ class ShellModel(FiniteModel):
 
     def linear_probes(self, solved: Solved) -> dict[str, dict[str, Any]]:
         fields = small_fields(self.problem, solved.x, self.problem.loads.initial)
-        return probes_of(self.problem, fields).values
+        return dict(probes_of(self.problem, fields).values)
 
     def recover_state(self, state: State, work: float, inertia: Floats | None = None) -> Result:
         return answer_state(self.problem, state, work, inertia)
@@ -196,7 +196,7 @@ class ShellModel(FiniteModel):
         return self.problem.discretisation.rigid_motions(np.zeros(3), 1.0, x)
 
     def state_probes(self, state: State) -> dict[str, dict[str, Any]]:
-        return probes_of(self.problem, state_fields(self.problem, state)).values
+        return dict(probes_of(self.problem, state_fields(self.problem, state)).values)
 
     def fingerprint(self) -> str:
         problem = self.problem
