@@ -8,8 +8,9 @@ from typing import Any
 
 from kshell.analysis.membrane import held_in_plane
 from kshell.analysis.run import Run
+from kshell.equilibrium.finite_model import FiniteModel
 from kshell.equilibrium.load_steps import LoadSteps
-from kshell.equilibrium.model import FiniteModel, Model
+from kshell.equilibrium.model import Model
 from kshell.errors import InputError, SolveError
 from kshell.scene.structure import Structure
 from kshell.shell.koiter.model import KoiterModel

@@ -140,7 +140,7 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
     if (
         options.large_asked
-        or options.analysis == "dynamic"
+        or (options.analysis == "dynamic" and options.large_deflection is not False)
         or structure.touching
         or yields(structure, options)
     ):
@@ -203,7 +203,9 @@ def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelCho
 
 def _finite(options: SolveOptions) -> bool:
     """Whether the analysis goes beyond the linear solution."""
-    return options.large_asked or options.prestress or options.analysis in ("buckling", "dynamic")
+    if options.analysis == "dynamic":
+        return options.large_deflection is not False
+    return options.large_asked or options.prestress or options.analysis == "buckling"
 
 
 def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:

@@ -13,7 +13,8 @@ from kshell.analysis.large import Indicator, indicate
 from kshell.analysis.path import Trace, answer_trace, described_trace, grow_load
 from kshell.analysis.run import Run, described
 from kshell.analysis.shear import account_for_shear
-from kshell.equilibrium.model import FiniteModel, Model, Solved
+from kshell.equilibrium.finite_model import FiniteModel
+from kshell.equilibrium.model import Model, Solved
 from kshell.equilibrium.problem import State
 from kshell.error.assess import DUALS, assess
 from kshell.error.assessment import Assessment

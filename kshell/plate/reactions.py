@@ -24,6 +24,7 @@ from kshell.plate.layout import Layout
 from kshell.plate.loading import LinearForm
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
+from kshell.plate.rigid import rigid_motions
 from kshell.result.deferred import Deferred
 
 Floats = NDArray[np.float64]
@@ -74,10 +75,16 @@ class ReactionFinder:
             held[mesh.edges[group.edges]] = True
         self.near = np.flatnonzero(held[mesh.triangles].any(axis=1)).astype(np.int64)
 
-    def find(self, d: Floats, loads: list[LinearForm], fields: Fields) -> Reactions:
-        """Reactions of a solution with physical degrees of freedom d."""
+    def find(
+        self, d: Floats, loads: list[LinearForm], fields: Fields, inertia: Floats | None = None
+    ) -> Reactions:
+        """Reactions of a solution with physical degrees of freedom d; inertia (dof,) acts as a load."""
         linear = [*loads, *self.supports.hold_loads]
         r = residual(self.forms, linear, self.domain, self.reduction, d, self.near)
+        pushed = np.zeros(3)
+        if inertia is not None:
+            r = r - inertia
+            pushed = self._rigid_everywhere().T @ inertia
         slopes = self._release_slopes(r)
         totals: dict[str, Floats] = {}
         shared = self._shared(r)
@@ -92,7 +99,7 @@ class ReactionFinder:
             totals[label] = totals[label] + self._rigid_work(load)
         corners = CornerForces(self.domain, self.reduction, self.supports, self.bending, loads, fields)
         groups = {label: self._document(label, total, corners) for label, total in totals.items()}
-        return Reactions(groups, *self._balance(totals, loads, d))
+        return Reactions(groups, *self._balance(totals, loads, d, pushed))
 
     def _shared(self, r: Floats) -> dict[int, dict[int, Floats]]:
         """Work (per_vertex,) that falls to each group, by its number, at vertices that several groups hold."""
@@ -215,6 +222,10 @@ class ReactionFinder:
         out[:, 3 * b :, 2] = -affine.normals[..., 0]
         return out
 
+    def _rigid_everywhere(self) -> Floats:
+        every = np.arange(len(self.domain.mesh.triangles))
+        return rigid_motions(self.domain, self.layout, self.centre, every)
+
     def _document(self, label: str, total: Floats, corners: CornerForces) -> MutableMapping[str, Any]:
         force, mx, my = total
         # from the centre to the origin of the coordinates: M + r x F
@@ -235,7 +246,9 @@ class ReactionFinder:
             {"force": lambda: out["force"], "moment": lambda: out["moment"], "corners": concentrated}
         )
 
-    def _balance(self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats) -> tuple[float, float]:
+    def _balance(
+        self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats, pushed: Floats
+    ) -> tuple[float, float]:
         """Error of equilibrium of forces, and of moments about the centre, relative to what acts, and as it is.
 
         Where no load acts, relative to the forces that would bend the plate by as much as it moves: one that is only
@@ -243,9 +256,7 @@ class ReactionFinder:
         """
         scale = np.array([1.0, 1.0 / self.size, 1.0 / self.size])
         parts = [load.resultant(self.centre) * scale for load in loads]
-        parts += [total * scale for total in totals.values()]
-        if not parts:
-            return 0.0, 0.0
+        parts += [total * scale for total in [*totals.values(), pushed]]
         gross = [load.gross(self.size) for load in loads] or [self._bending_force(d)]
         largest = max(float(np.abs(parts).max()), *gross, 1e-300)
         left = float(np.abs(np.sum(parts, axis=0)).max())

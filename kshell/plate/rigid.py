@@ -174,6 +174,16 @@ def rigid_of_triangles(
     return out
 
 
+def rigid_motions(domain: Domain, layout: Layout, centre: Floats, triangles: Ints) -> Floats:
+    """(dof, 3) physical degrees of freedom of w = 1, y - y_c and -(x - x_c) in some triangles, zero elsewhere."""
+    n = len(triangles)
+    about = np.broadcast_to(centre[:2], (n, 2))
+    local = rigid_of_triangles(domain, layout, triangles, about, np.ones(n))  # 1, x - x_c, y - y_c
+    out = np.zeros((layout.count, 3))
+    out[layout.triangle_dofs(triangles)] = np.stack([local[..., 0], local[..., 2], -local[..., 1]], axis=-1)
+    return out
+
+
 def _words(
     free: Floats, centre: Floats, size: float, pieces: int, mesh: Mesh, inside: NDArray[np.bool_]
 ) -> str:

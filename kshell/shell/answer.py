@@ -38,6 +38,27 @@ def answer_linear(problem: ShellProblem, solution: LinearSolution) -> Result:
     )
 
 
+def answer_motion(problem: ShellProblem, x: Floats, work: float, inertia: Floats) -> Result:
+    """The result of small deflections in motion, to which the loads did some work.
+
+    Parameters
+    ----------
+    inertia : (unknowns,)
+        Forces of inertia and damping, which act as loads.
+    """
+    energy, initial = problem.energy, problem.loads.initial
+    strain = energy.linear_strain(x)
+    stress = energy.stress(strain if initial is None else strain - initial)
+    forces = energy.linear_forces(stress) - problem.load - inertia
+    if problem.springs is not None:
+        forces = forces + problem.springs @ x
+    solution = LinearSolution(x, forces, stress, ())
+    loads = [*problem.loads.forces, inertia]
+    result = _answer(problem, solution, small_fields(problem, x, initial), loads, pushed=True)
+    result.external_work = work
+    return result
+
+
 def answer_state(problem: ShellProblem, state: State, work: float, inertia: Floats | None = None) -> Result:
     """The result of one state of large deflections, to which the loads did some work.
 
