@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from kshell.plate.curves import EdgeCurves
 from kshell.plate.domain import Domain
+from kshell.plate.smooth import settled_degree
 
 Floats = NDArray[np.float64]
 
 SMOOTH = 1.0 - 1e-9  # cosine between tangents of one smooth line
 ENOUGH = 5  # nodes, of which every other one is left out
-DEGREE = 5
 CUBIC = 1.0 / 384.0
 RELIED = 4.0
 
@@ -25,8 +25,8 @@ RELIED = 4.0
 def curve_doubt(domain: Domain) -> Floats:
     """(edge,) distance that the true shape of each edge of `Domain.curves` may have from the one taken; 0: straight.
 
-    An edge with a node in its middle is a quintic with the tangents and curvatures of the spline at its ends: it misses
-    that node by as much as it is off. Arcs of circles are known to rounding.
+    An edge with a node in its middle is a polynomial with the derivatives of the spline at its ends: it misses that
+    node by as much as it is off. Arcs of circles and ellipses are known to rounding.
     """
     curves, mesh = domain.curves, domain.mesh
     out = np.zeros(len(curves.edges))
@@ -104,8 +104,8 @@ def _missed(domain: Domain, edges: list[int], ahead: list[bool], closed: bool) -
     parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
     kept = np.unique(np.append(np.arange(0, len(nodes), 2), len(nodes) - 1))
     left = np.setdiff1d(np.arange(len(nodes)), kept)
-    periodic = closed and len(kept) > DEGREE + 1
-    degree = DEGREE if periodic else min(DEGREE, len(kept) - 1 - (len(kept) + 1) % 2)
+    degree = min(settled_degree(parameter[of], nodes[of], closed) for of in (kept, np.arange(len(nodes))))
+    periodic = closed and len(kept) > degree + 1
     from scipy.interpolate import make_interp_spline
 
     spline = make_interp_spline(

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
-from kshell.plate.curves import EdgeCurves, edge_curves
+from kshell.plate.curves import EdgeCurves
 from kshell.plate.held import Supports
+from kshell.plate.rims import edge_curves
 
 Floats = NDArray[np.float64]
 

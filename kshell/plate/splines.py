@@ -15,8 +15,10 @@ Ints = NDArray[np.int64]
 DENSE = 160  # unknowns up to which a full matrix is quicker than loading what solves sparse ones
 
 
-def spline_derivatives(x: Floats, y: Floats, degree: int, periodic: bool = False) -> tuple[Floats, Floats]:
-    """First and second derivatives at the points of the spline through them.
+def spline_derivatives(
+    x: Floats, y: Floats, degree: int, periodic: bool = False, count: int = 2
+) -> list[Floats]:
+    """First and further derivatives at the points of the spline through them.
 
     Parameters
     ----------
@@ -27,10 +29,12 @@ def spline_derivatives(x: Floats, y: Floats, degree: int, periodic: bool = False
         Odd.
     periodic : bool
         Of a closed curve; else without knots at the (degree - 1) / 2 points beside either end.
+    count : int
+        How many derivatives.
 
     Returns
     -------
-    two (n, k) arrays
+    list of (n, k) arrays
     """
     n = len(x)
     if periodic:
@@ -52,30 +56,29 @@ def spline_derivatives(x: Floats, y: Floats, degree: int, periodic: bool = False
     if periodic:
         coefficients = np.concatenate([coefficients, coefficients[:degree]])
     found = []
-    for order in (1, 2):
+    for order in range(1, count + 1):
         if order > degree:
             found.append(np.zeros_like(y))
-            break
-        p, count = degree - order, len(coefficients)
-        width = knots[p + 2 : p + 1 + count] - knots[1:count]
+            continue
+        p, several = degree - order, len(coefficients)
+        width = knots[p + 2 : p + 1 + several] - knots[1:several]
         coefficients = (p + 1) * np.diff(coefficients, axis=0) / width[:, None]
         knots, interval = knots[1:-1], interval - 1
         here = interval[:, None] - p + np.arange(p + 1)
         found.append(np.einsum("na,nak->nk", _basis(knots, p, x, interval), coefficients[here]))
-    return found[0], found[1]
+    return found
 
 
 def _basis(knots: Floats, degree: int, x: Floats, interval: Ints) -> Floats:
     """(point, degree + 1) the B-splines that are not zero between the knots interval and interval + 1."""
     out = np.ones((len(x), 1))
     for d in range(1, degree + 1):
-        above = np.zeros((len(x), d + 1))
-        for r in range(d):
-            right, left = knots[interval + 1 + r], knots[interval + 1 + r - d]
-            part = out[:, r] / (right - left)
-            above[:, r] += (right - x) * part
-            above[:, r + 1] = (x - left) * part
-        out = above
+        right = knots[interval[:, None] + np.arange(1, d + 1)]
+        left = knots[interval[:, None] + np.arange(1 - d, 1)]
+        part = out / (right - left)
+        out = np.zeros((len(x), d + 1))
+        out[:, :d] = (right - x[:, None]) * part
+        out[:, 1:] += (x[:, None] - left) * part
     return out
 
 

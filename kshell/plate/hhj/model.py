@@ -15,7 +15,6 @@ from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError, SolveError
 from kshell.mesh.words import place
 from kshell.plate.answer import NODAL_VALUES, UNBALANCED, Above, cell_fields, vertex_fields
-from kshell.plate.curves import edge_curves
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
@@ -23,6 +22,7 @@ from kshell.plate.hhj.recovery import HHJFields, reactions, work_of_supports
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
+from kshell.plate.rims import edge_curves
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
