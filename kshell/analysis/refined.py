@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.first_mesh import order_of_moments, plate_start, shell_start
-from kshell.analysis.levels import Level, Refinement, blocked, next_mesh, share_of_shape
+from kshell.analysis.levels import SHARE_JUMPS, Level, Refinement, blocked, next_mesh, share_of_shape
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
-from kshell.analysis.static import Answered, answer_once
+from kshell.analysis.static import Answered, answer_once, largest_displacement
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
-from kshell.error.assessment import ENERGY, PROBES
+from kshell.error.assessment import ENERGY, MISSED, PROBES
 from kshell.error.bounds import PlatePair
 from kshell.error.plates import assess_pair, geometry_share
 from kshell.errors import InputError, Interrupted, SolveError
@@ -43,6 +43,7 @@ GROWTH = 2.5  # of unknowns, time and memory from one level to the next, to be e
 MOST_LEVELS = 60
 STALLED = 0.8  # a level that leaves more of the half width than this, with half as many unknowns more, gains nothing
 GAINLESS = 3  # such levels in a row, after which refining ends
+GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
 BYTES = 30e3  # memory of a direct solve for each unknown, about
 
 
@@ -161,6 +162,8 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         assert isinstance(model, PlateModel)
         pair = PlatePair(model.problem, order_of_moments(run))
         found = assess_pair(pair, loop.names, _strain_energy(pair))
+        if run.structure.missed:
+            found.with_loads(run.structure.missed, pair.conforming.largest())
         unknowns = model.unknowns
     else:
         answered = answer_once(run.model(), run)
@@ -170,6 +173,8 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
             raise InputError(f"tolerance: {found.why_not}")
         found.geometry = share_of_shape(loop, model, found)
         found.with_share((result.error["budget"]["algebra"] or 0.0) + found.geometry)
+        if run.structure.missed:
+            found.with_loads(run.structure.missed, largest_displacement(result))
         unknowns = result.unknowns
     wanted = loop.names or [ENERGY]
     half = max(found.relative(name) for name in wanted)
@@ -206,7 +211,11 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
     limit = blocked(loop, level)
     if limit:
         return limit
-    if stalled >= GAINLESS:
+    jumps = level.assessment.loads
+    if MISSED * jumps > SHARE_JUMPS * float(options.tolerance):
+        if stalled >= GAINLESS_JUMPS:
+            return f"further levels gain nothing: the loads jump or peak, and {jumps:.1e} of them is missed"
+    elif stalled >= GAINLESS:
         return "further levels gain nothing: rounding sets the limit"
     if len(loop.levels) >= MOST_LEVELS:
         return f"{MOST_LEVELS} levels were not enough"

@@ -77,11 +77,18 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
         duals = DUALS if names is None else 3 * len(names)
         found = assess(answered.model, answered.state, result, duals, names)
         found.with_share((result.error["budget"]["algebra"] or 0.0) + (found.geometry or 0.0))
+        if answered.model.structure.missed:
+            found.with_loads(answered.model.structure.missed, largest_displacement(result))
         found.document(result, run.options.quantity)
         if isinstance(answered.state, Solved):
             account_for_shear(result, answered.model, answered.state, run.options, found.duals)
     result.solver["seconds"] = {**run.clock.seconds}
     return found
+
+
+def largest_displacement(result: Result) -> float:
+    """Over all vertices."""
+    return abs(float(result.extremes["deflection"]["value"]))
 
 
 def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answered:
