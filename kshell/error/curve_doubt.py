@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from kshell.plate.curves import EdgeCurves
 from kshell.plate.domain import Domain
 from kshell.plate.smooth import settled_degree
+from kshell.plate.splines import spline_at
 
 Floats = NDArray[np.float64]
 
@@ -106,12 +107,8 @@ def _missed(domain: Domain, edges: list[int], ahead: list[bool], closed: bool) -
     left = np.setdiff1d(np.arange(len(nodes)), kept)
     degree = min(settled_degree(parameter[of], nodes[of], closed) for of in (kept, np.arange(len(nodes))))
     periodic = closed and len(kept) > degree + 1
-    from scipy.interpolate import make_interp_spline
-
-    spline = make_interp_spline(
-        parameter[kept], nodes[kept], k=degree, bc_type="periodic" if periodic else None
-    )
-    off, along = spline(parameter[left]) - nodes[left], spline(parameter[left], 1)
+    through, along = spline_at(parameter[kept], nodes[kept], degree, parameter[left], periodic)
+    off = through - nodes[left]
     across = np.abs(off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]) / np.linalg.norm(along, axis=1)
     missed = np.zeros(len(nodes))
     missed[left] = across * RELIED / 2.0 ** (degree + 1)

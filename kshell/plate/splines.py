@@ -36,37 +36,76 @@ def spline_derivatives(
     -------
     list of (n, k) arrays
     """
-    n = len(x)
-    if periodic:
-        m = n - 1
-        period = x[-1] - x[0]
-        knots = np.concatenate([x[m - degree : m] - period, x, x[1 : degree + 1] + period])
-        interval = degree + np.minimum(np.arange(n), m - 1)
-        columns = (np.arange(m)[:, None] + np.arange(degree + 1)) % m
-        values, rows = _basis(knots, degree, x[:-1], interval[:-1]), y[:-1]
-    else:
-        aside = (degree + 1) // 2
-        knots = np.concatenate(
-            [np.repeat(x[0], degree + 1), x[aside : n - aside], np.repeat(x[-1], degree + 1)]
-        )
-        interval = np.clip(np.searchsorted(knots, x, side="right") - 1, degree, n - 1)
-        columns = interval[:, None] - degree + np.arange(degree + 1)
-        values, rows = _basis(knots, degree, x, interval), y
-    coefficients = _solve(columns, values, rows)
-    if periodic:
-        coefficients = np.concatenate([coefficients, coefficients[:degree]])
+    knots, coefficients = _interpolated(x, y, degree, periodic)
+    interval = np.clip(np.searchsorted(knots, x, side="right") - 1, degree, len(coefficients) - 1)
     found = []
     for order in range(1, count + 1):
         if order > degree:
             found.append(np.zeros_like(y))
             continue
-        p, several = degree - order, len(coefficients)
-        width = knots[p + 2 : p + 1 + several] - knots[1:several]
-        coefficients = (p + 1) * np.diff(coefficients, axis=0) / width[:, None]
-        knots, interval = knots[1:-1], interval - 1
-        here = interval[:, None] - p + np.arange(p + 1)
-        found.append(np.einsum("na,nak->nk", _basis(knots, p, x, interval), coefficients[here]))
+        knots, coefficients, interval = (
+            knots[1:-1],
+            _derived(knots, coefficients, degree - order),
+            interval - 1,
+        )
+        found.append(_at(knots, coefficients, degree - order, x, interval))
     return found
+
+
+def spline_at(x: Floats, y: Floats, degree: int, at: Floats, periodic: bool = False) -> tuple[Floats, Floats]:
+    """Values and first derivatives at places between the points of the spline through them.
+
+    Parameters
+    ----------
+    x, y, periodic :
+        As for `spline_derivatives`.
+    degree : int
+        1 or more; of even degree the knots of open curves lie midway between points.
+    at : (m,) array
+        From the first to the last point.
+
+    Returns
+    -------
+    two (m, k) arrays
+    """
+    knots, coefficients = _interpolated(x, y, degree, periodic)
+    interval = np.clip(np.searchsorted(knots, at, side="right") - 1, degree, len(coefficients) - 1)
+    value = _at(knots, coefficients, degree, at, interval)
+    slopes = _derived(knots, coefficients, degree - 1)
+    return value, _at(knots[1:-1], slopes, degree - 1, at, interval - 1)
+
+
+def _interpolated(x: Floats, y: Floats, degree: int, periodic: bool) -> tuple[Floats, Floats]:
+    """Knots and coefficients of the B-splines of the spline through points."""
+    n = len(x)
+    if periodic:
+        m = n - 1
+        period = x[-1] - x[0]
+        knots = np.concatenate([x[m - degree : m] - period, x, x[1 : degree + 1] + period])
+        columns = (np.arange(m)[:, None] + np.arange(degree + 1)) % m
+        values = _basis(knots, degree, x[:-1], degree + np.arange(m))
+        coefficients = _solve(columns, values, y[:-1])
+        return knots, np.concatenate([coefficients, coefficients[:degree]])
+    aside = (degree + 1) // 2
+    inner = x if degree % 2 else 0.5 * (x[1:] + x[:-1])
+    knots = np.concatenate(
+        [np.repeat(x[0], degree + 1), inner[aside : len(inner) - aside], np.repeat(x[-1], degree + 1)]
+    )
+    interval = np.clip(np.searchsorted(knots, x, side="right") - 1, degree, n - 1)
+    columns = interval[:, None] - degree + np.arange(degree + 1)
+    return knots, _solve(columns, _basis(knots, degree, x, interval), y)
+
+
+def _derived(knots: Floats, coefficients: Floats, degree: int) -> Floats:
+    """Coefficients of the derivative, which is of one degree less, on the knots without the first and the last."""
+    count = len(coefficients)
+    width = knots[degree + 2 : degree + 1 + count] - knots[1:count]
+    return np.asarray((degree + 1) * np.diff(coefficients, axis=0) / width[:, None])
+
+
+def _at(knots: Floats, coefficients: Floats, degree: int, x: Floats, interval: Ints) -> Floats:
+    here = interval[:, None] - degree + np.arange(degree + 1)
+    return np.asarray(np.einsum("na,nak->nk", _basis(knots, degree, x, interval), coefficients[here]))
 
 
 def _basis(knots: Floats, degree: int, x: Floats, interval: Ints) -> Floats:
