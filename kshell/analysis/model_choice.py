@@ -24,7 +24,6 @@ from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic, Hinge, RigidLink, Support
 from kshell.scene.thermal import couples
-from kshell.shell.chart.lines import has_curved_edges, large_across_lines
 from kshell.shell.limits import THINNEST, USE_KOITER
 from kshell.solvers.memory import SHARE, available_bytes
 from kshell.values.varying import is_constant
@@ -184,6 +183,8 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
 
 
 def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:
+    from kshell.shell.chart.lines import large_across_lines
+
     if options.element == "argyris":
         across = large_across_lines(structure) if _finite(options) else ""
         if across:
@@ -210,6 +211,8 @@ def _finite(options: SolveOptions) -> bool:
 
 def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
+    from kshell.shell.chart.lines import has_curved_edges, large_across_lines
+
     if structure.section.inelastic() and options.analysis in ("static", "path", "dynamic"):
         return "the material remembers its past"
     if structure.imperfection is not None:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.equilibrium.model import Solved
 from kshell.equilibrium.moving_model import MovingModel
-from kshell.equilibrium.problem import Problem, State
 from kshell.errors import InputError
 from kshell.result.result import Result
+
+if TYPE_CHECKING:  # small deflections need none of it
+    from kshell.equilibrium.problem import Problem, State
 
 Floats = NDArray[np.float64]
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kshell.equilibrium.model import Model, Solved
-from kshell.equilibrium.problem import State
 from kshell.error.assessment import Assessment
 from kshell.result.result import Result
+
+if TYPE_CHECKING:
+    from kshell.equilibrium.problem import State
 
 DUALS = 3  # dual solutions at most, where no tolerance asks for more
 
@@ -43,7 +45,7 @@ def assess(
     if (model.kind, model.element) == ("shell", "koiter"):
         from kshell.error import shells
 
-        if isinstance(answer, State):
+        if not isinstance(answer, Solved):
             return shells.assess_state(of, answer, result, duals, wanted)
         return shells.assess_small(of, rest.x, result, duals, wanted)
     if (model.kind, model.element) == ("plate", "argyris"):
@@ -54,7 +56,7 @@ def assess(
         from kshell.error.plate_averages import assess_averages
 
         return assess_averages(of, rest, result, duals, wanted)
-    if isinstance(answer, State):
+    if not isinstance(answer, Solved):
         return Assessment(
             why_not='no estimate of large deflections of Argyris shells: element = "koiter" has one'
         )

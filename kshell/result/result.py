@@ -26,7 +26,6 @@ from kshell.errors import InputError, SolveError
 from kshell.mesh.words import clipped
 from kshell.result import doors
 from kshell.result.cases import Envelope
-from kshell.result.cut import cut
 from kshell.result.document import document
 from kshell.result.extremes import find_extremes
 from kshell.result.page import page
@@ -297,6 +296,8 @@ class Result:
         SolveError
             If this result only has values at vertices.
         """
+        from kshell.result.cut import cut
+
         return cut(self, point, normal)
 
     def tables(self) -> dict[str, list[dict[str, Any]]]:
