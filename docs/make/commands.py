@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import typer
+
 from docs.make.markdown import in_table
 from kshell.cli import commands  # noqa: F401, registers them
-from kshell.cli.app import every_command
+from kshell.cli.app import app
 
 INTRODUCTION = """# Commands
 
@@ -21,7 +23,7 @@ one line that says what is wrong, where, and how to mend it; `--debug` adds the 
 
 def commands_page() -> str:
     """Markdown."""
-    group: Any = every_command()
+    group: Any = typer.main.get_command(app)
     parts = [INTRODUCTION]
     for name, command in group.commands.items():
         parts += _command(name, command)

@@ -15,7 +15,7 @@ from kshell.analysis.cases import answer_cases
 from kshell.analysis.clock import Clock
 from kshell.analysis.run import Run
 from kshell.distributed.refuse import require_parted
-from kshell.distributed.team import Team, team_of
+from kshell.distributed.team import team_of
 from kshell.errors import InputError, Interrupted, KshellWarning, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import shown
@@ -227,51 +227,46 @@ def answer(
         raise InputError(f"{shown(scene)} is not a scene: make one with ks.Scene(...) or ks.Scene.load(path)")
     chosen = scene.solve.updated(**options)
     team = team_of(chosen.solver)
-    if team is not None:
-        require_parted(scene, chosen, resume)
-        folder = None  # states are not kept on the way
-    if progress is not None:
-        progress("read")
-    begin = time.perf_counter()
 
     def read() -> Mesh:
         return scene.read_mesh(allow_system)
 
-    mesh = read() if team is None else team.once(read)
-    structure = resolve(scene, mesh, chosen.analysis == "dynamic")
+    if team is None:
+        result = _analysed(scene, chosen, progress, read, folder, resume)
+    else:
+        from kshell.distributed.leading import answered
+
+        require_parted(scene, chosen, resume)
+        # states are not kept on the way
+        result = answered(team, read, lambda mesh: _analysed(scene, chosen, progress, mesh))
+    for words in result.warnings:
+        warnings.warn(words, KshellWarning, stacklevel=3)  # at the call of `solve` or `trace`
+    return result
+
+
+def _analysed(
+    scene: Scene,
+    options: SolveOptions,
+    progress: Callable[[str], None] | None,
+    read: Callable[[], Mesh],
+    folder: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+) -> Result:
+    """The result of an analysis; `read` gives the mesh."""
+    if progress is not None:
+        progress("read")
+    begin = time.perf_counter()
+    structure = resolve(scene, read(), options.analysis == "dynamic")
     clock = Clock(progress, time.perf_counter() - begin)
-    where = None if folder is None else Path(folder)
-    run = Run(scene, structure, chosen, clock, progress, where, resume)
-    analyse = import_module(f"kshell.analysis.{_module(scene, chosen)}").analyse
+    run = Run(scene, structure, options, clock, progress, None if folder is None else Path(folder), resume)
+    analyse = import_module(f"kshell.analysis.{_module(scene, options)}").analyse
     try:
         result: Result = answer_cases(run, analyse) if scene.cases else analyse(run.model(), run)
     except (SolveError, Interrupted) as error:
         if isinstance(error.state, Result):
             _of_scene(error.state, scene)
-            _of_team(error.state, team)
         raise
-    _of_team(result, team)
-    for words in result.warnings:
-        warnings.warn(words, KshellWarning, stacklevel=3)  # at the call of `solve` or `trace`
     return _of_scene(result, scene)
-
-
-def _of_team(result: Result, team: Team | None) -> None:
-    """Let a result of several processes know what they are, and leave nothing in it that needs all of them."""
-    if team is None:
-        return
-    from kshell.distributed.saving import save_pieces
-
-    result.writer = partial(save_pieces, team)
-    memory = team.largest(result.solver.get("peak_memory_mb", 0.0))
-    result.solver |= {"processes": team.size, "peak_memory_mb": memory}
-    if result.solver.get("name") == "direct":
-        result.solver["name"] = "PETSc (MUMPS)"
-    result.series = [(factor, partial(_known, make())) for factor, make in result.series]
-
-
-def _known(result: Result) -> Result:
-    return result
 
 
 def _module(scene: Scene, options: SolveOptions) -> str:

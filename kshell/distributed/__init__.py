@@ -1,14 +1,19 @@
-"""One scene on several processes: PETSc solves, and every process holds the element matrices of its own triangles.
+"""One scene on several processes: PETSc solves, and every process holds its own triangles.
 
-A team of processes runs the same analysis on the same scene. Each knows the whole mesh, the supports and all vectors,
-so that frames of supports, planes of symmetry and numbers of unknowns are found for the whole and agree by
-construction. Divided are the triangles: their stiffness, their derivatives of strains, the matrix and its factors,
-which are what fills the memory. Stresses of a triangle are computed by the process that has it, and put together.
+The first process of a team runs an analysis as one process alone would: it reads the mesh, and finds frames of
+supports, planes of symmetry, directors, loads and numbers of unknowns for the whole. Of shells it deals out triangles
+in pieces with numbers of their own, and calls the others: their element matrices, the matrix and its factors, which
+are what fills the memory, are divided, and so are strains and stresses of states. Only the first process has the mesh
+and whole vectors. Of plates every process runs the same analysis alongside the first, on the whole mesh; their
+matrices are divided alike.
 
 launch.py       whether this process is one of several, told by its environment; imports nothing
-team.py         the processes: joining what they have, agreeing on errors before any is raised
+team.py         the processes: dealing out, adding up, agreeing on errors before any is raised
+calls.py        calls of the first process to the others, and what they share
+leading.py      an analysis from its mesh to the results that all leave with
 partition.py    which triangles are whose
-matrix.py       sums of what the processes have of a matrix, as matrices of PETSc
+shares.py       which rows of a vector are whose; piece.py the triangles of one process
+matrix.py       sums of what the processes have of a matrix; numbering.py the same in PETSc
 factor.py       factors by MUMPS
 prepared.py     matrices of plates, ready for loads; multigrid.py the same by multigrid
 koiter.py, linear.py, plate.py    models

@@ -8,7 +8,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.distributed.matrix import Numbering, Reduced, Scattered
+from kshell.distributed.calls import Shared, on_all
+from kshell.distributed.matrix import Scattered, Terms
+from kshell.distributed.numbering import Assembled, Basis, Numbering, reduced
+from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
@@ -17,7 +20,6 @@ from kshell.solvers.repeated import Factor
 from kshell.solvers.symmetric import SymmetricFactor
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
 
 # MUMPS: more room than foreseen, in percent, at first and when it did not suffice
 ROOM = (40, 200, 1000)
@@ -27,6 +29,108 @@ SINGULAR, INDEFINITE = -10, -40
 NAME = "PETSc (MUMPS)"
 
 
+class Mumps(Shared):
+    """What each process has of the factors.
+
+    Parameters
+    ----------
+    team : Team
+    reduction : Reduction
+        Looked at by the first process alone.
+    share : Share
+        Of all unknowns.
+    symmetric : bool
+    """
+
+    def __init__(self, team: Team, reduction: Reduction, share: Share, symmetric: bool) -> None:
+        super().__init__(team)
+        self.symmetric = symmetric
+        basis = Basis(team, reduction, share)
+        self.numbering = Numbering(team, basis.free.owner)
+        self.assembled = Assembled(basis, self.numbering, half=symmetric)
+        self._solvers: dict[bool, Any] = {}
+
+    @on_all
+    def fill(self, terms: Terms, known: sp.csr_matrix | None, last: bool) -> None:
+        """Take another matrix; `last` as for `PetscFactoriser.factorise`."""
+        if self.assembled.fill(terms, known, last):
+            for solver in self._solvers.values():
+                solver.destroy()
+            self._solvers = {}
+
+    @on_all
+    def factorise(self, definite: bool) -> int:
+        """Factorise; the code of MUMPS, 0 where all went well."""
+        from petsc4py import PETSc
+
+        mat, code = self.assembled.mat, 0
+        for room in ROOM:
+            solver = self._solvers.get(definite)
+            mat.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
+            mat.setOption(PETSc.Mat.Option.SPD, definite)
+            if solver is None:
+                solver = self._solvers[definite] = self._new(definite, room)
+            try:
+                solver.setOperators(mat)
+                solver.setUp()
+                code = int(solver.getPC().getFactorMatrix().getMumpsInfog(1))
+            except PETSc.Error as error:
+                raise self.team.alike(SolveError(f"PETSc could not factorise the matrix ({error})")) from None
+            code = min(code, 0)
+            if code not in TOO_SMALL:
+                if code == 0 and not definite and self._told(definite, 28):
+                    code = SINGULAR  # null pivots
+                break
+            self._solvers.pop(definite).destroy()
+        if code:
+            self._solvers.pop(definite).destroy()
+        return code
+
+    def _new(self, definite: bool, room: int) -> Any:
+        from petsc4py import PETSc
+
+        solver = PETSc.KSP().create(self.team.communicator)
+        solver.setOperators(self.assembled.mat)
+        solver.setType("preonly")
+        pc = solver.getPC()
+        pc.setType("cholesky" if self.symmetric else "lu")
+        pc.setFactorSolverType("mumps")
+        pc.setFactorSetUpSolverType()
+        factor = pc.getFactorMatrix()
+        factor.setMumpsIcntl(14, room)
+        if not definite:
+            factor.setMumpsIcntl(13, 1)  # all pivots are counted
+            factor.setMumpsIcntl(24, 1)
+        return solver
+
+    def _told(self, definite: bool, what: int) -> int:
+        return int(self._solvers[definite].getPC().getFactorMatrix().getMumpsInfog(what))
+
+    def negative(self) -> int:
+        """Negative pivots."""
+        return self._told(False, 12)
+
+    @on_all
+    def solve(self, definite: bool, load: Floats) -> Floats:
+        """(free,) or (free, k) unknowns under loads."""
+        own, solver = self.numbering.own, self._solvers[definite]
+        loads = own.spread(load)
+
+        def mine() -> Floats:
+            rhs, x = self.assembled.mat.createVecs()
+            out = np.empty_like(loads)
+            for k in range(1 if loads.ndim == 1 else loads.shape[1]):
+                here: Any = ... if loads.ndim == 1 else (slice(None), k)
+                rhs.setArray(loads[here])
+                solver.solve(rhs, x)
+                out[here] = x.getArray()
+            rhs.destroy()
+            x.destroy()
+            return out
+
+        return own.collect(mine)
+
+
 class PetscFactoriser:
     """Factorises T^T K T for many K that a team has, as `kshell.equilibrium.factor.Factoriser` does alone.
 
@@ -34,17 +138,15 @@ class PetscFactoriser:
     ----------
     team : Team
     reduction : Reduction
-    owner : (unknowns,) int array
-        The process of each unknown.
+    share : Share
+        Of all unknowns.
     symmetric : bool
         False for a tangent with follower loads.
     """
 
-    def __init__(self, team: Team, reduction: Reduction, owner: Ints, symmetric: bool = True) -> None:
-        self.team, self._symmetric = team, symmetric
-        self.numbering = Numbering(team, reduction.basis, owner)
-        self.reduced = Reduced(self.numbering, reduction, half=symmetric)
-        self._solvers: dict[bool, Any] = {}
+    def __init__(self, team: Team, reduction: Reduction, share: Share, symmetric: bool = True) -> None:
+        self._reduction, self._symmetric = reduction, symmetric
+        self.mumps: Mumps = team.calls.run(Mumps, team, reduction, share, symmetric)
 
     def factorise(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
         """The matrix in the free unknowns, factorised. The factor serves until the next call.
@@ -69,108 +171,34 @@ class PetscFactoriser:
 
     def factors(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
         """The same; `Singular` where a pivot is zero."""
-        if self.team.largest(0.0 if np.isfinite(matrix.local.data).all() else 1.0):
+        known, mumps = matrix.known, self.mumps
+        if not matrix.terms.finite() or (known is not None and not np.isfinite(known.data).all()):
             raise SolveError("the stiffness is not finite: the step led too far away")
-        if not self.numbering.size:
+        if not mumps.numbering.size:
             return Factor(np.zeros_like, lambda: 0)
-        if self.reduced.fill(matrix):
-            self._forget()
-        if last:
-            matrix.local = sp.csr_matrix(matrix.shape)
+        mumps.fill(matrix.terms, None if known is None else self._reduction.reduce(known), last)
         if self._symmetric and definite:
-            code = self._set_up(True)
+            code = mumps.factorise(True)
             if code == 0:
-                return Factor(self._solver(True), lambda: 0, True)
+                return Factor(lambda load: mumps.solve(True, load), lambda: 0, True)
             if code not in (SINGULAR, INDEFINITE):
                 raise _failed(code)
-        code = self._set_up(False)
+        code = mumps.factorise(False)
         if code == SINGULAR:
             raise Singular("MUMPS: a pivot is zero")
         if code:
             raise _failed(code)
-        return Factor(self._solver(False), self._count_negative)
-
-    def _forget(self) -> None:
-        for solver in self._solvers.values():
-            solver.destroy()
-        self._solvers = {}
-
-    def _set_up(self, definite: bool) -> int:
-        """Factorise; the code of MUMPS, 0 where all went well."""
-        from petsc4py import PETSc
-
-        mat = self.reduced.mat
-        code = 0
-        for room in ROOM:
-            solver = self._solvers.get(definite)
-            mat.setOption(PETSc.Mat.Option.SYMMETRIC, self._symmetric)
-            mat.setOption(PETSc.Mat.Option.SPD, definite)
-            if solver is None:
-                solver = PETSc.KSP().create(self.team.communicator)
-                solver.setOperators(mat)
-                solver.setType("preonly")
-                pc = solver.getPC()
-                pc.setType("cholesky" if self._symmetric else "lu")
-                pc.setFactorSolverType("mumps")
-                pc.setFactorSetUpSolverType()
-                factor = pc.getFactorMatrix()
-                factor.setMumpsIcntl(14, room)
-                if not definite:
-                    factor.setMumpsIcntl(13, 1)  # all pivots are counted
-                    factor.setMumpsIcntl(24, 1)
-                self._solvers[definite] = solver
-            try:
-                solver.setOperators(mat)
-                solver.setUp()
-                code = int(solver.getPC().getFactorMatrix().getMumpsInfog(1))
-            except PETSc.Error as error:
-                raise SolveError(f"PETSc could not factorise the matrix ({error})") from None
-            code = min(code, 0)
-            if code not in TOO_SMALL:
-                if code == 0 and not definite and self._null_pivots():
-                    code = SINGULAR
-                break
-            self._solvers.pop(definite).destroy()
-        if code:
-            self._solvers.pop(definite).destroy()
-        return code
-
-    def _null_pivots(self) -> int:
-        return int(self._solvers[False].getPC().getFactorMatrix().getMumpsInfog(28))
-
-    def _count_negative(self) -> int:
-        """Negative pivots, by MUMPS."""
-        return int(self._solvers[False].getPC().getFactorMatrix().getMumpsInfog(12))
-
-    def _solver(self, definite: bool) -> Any:
-        solver, numbering, team = self._solvers[definite], self.numbering, self.team
-        rhs, x = self.reduced.mat.createVecs()
-
-        def solve(load: Floats) -> Floats:
-            columns = np.asarray(load, dtype=float).reshape(numbering.size, -1)
-            out = np.empty_like(columns)
-            for k, column in enumerate(columns.T):
-                rhs.setArray(column[numbering.own])
-                solver.solve(rhs, x)
-                out[:, k] = team.join(numbering.members, (), x.getArray)
-            return out.reshape(np.shape(load))
-
-        return solve
+        return Factor(lambda load: mumps.solve(False, load), mumps.negative)
 
 
 class Symmetric(Scattered):
     """A symmetric matrix on free unknowns, which factorises itself for those that know nothing of teams."""
 
     @classmethod
-    def of(cls, matrix: Scattered, reduction: Reduction | None = None) -> Symmetric:
-        """T^T K T of a matrix K on all unknowns; without a reduction K itself."""
-        team, local, owner = matrix.team, matrix.local, matrix.owner
-        if reduction is not None:
-            basis = reduction.basis.tocsc()
-            owner = owner[basis.indices[basis.indptr[:-1]]]
-            whole, kept = local, reduction
-            local = team.together(lambda: kept.reduce(whole))
-        return cls(team, local, owner)
+    def of(cls, matrix: Scattered, reduction: Reduction) -> Symmetric:
+        """T^T K T of a matrix K on all unknowns."""
+        found = reduced(matrix, reduction)
+        return cls(found.terms, found.known)
 
     def factorised(self, definite: bool) -> SymmetricFactor:
         """As `kshell.solvers.symmetric.factorise_symmetric`, by MUMPS."""
@@ -180,7 +208,7 @@ class Symmetric(Scattered):
 
 def whole_factoriser(matrix: Scattered) -> PetscFactoriser:
     """For matrices on free unknowns."""
-    return PetscFactoriser(matrix.team, whole_reduction(matrix.shape[0]), matrix.owner)
+    return PetscFactoriser(matrix.team, whole_reduction(matrix.shape[0]), matrix.share)
 
 
 def whole_reduction(size: int) -> Reduction:

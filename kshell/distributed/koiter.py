@@ -1,32 +1,34 @@
-"""The Koiter energy of a team: every process has the stiffness and the strain derivatives of its own triangles.
+"""The Koiter energy of a team: every process has the triangles of its own, with their stiffness and strains.
 
-Strains and stresses by triangle, and forces by unknown, are put together after each evaluation, so that all processes
-have those of the whole; they take a hundredth of the room of what stays divided.
+The first process has the whole surface too, and stands for the whole energy: it gives the others their rows of the
+unknowns, and puts strains, stresses and forces together. It takes a fraction of the room of what is divided.
 """
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.distributed.matrix import Scattered
+from kshell.distributed.calls import ELSEWHERE, Shared, on_all
+from kshell.distributed.matrix import Scattered, Terms
 from kshell.distributed.partition import partition
+from kshell.distributed.piece import PartSurface, Places, SurfaceData, directors_of, section_of
 from kshell.distributed.refuse import ALONE, INSTEAD
+from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
 from kshell.equilibrium.energy import Energy, Linear, in_blocks
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.errors import InputError
 from kshell.material.inelastic import Inelastic
-from kshell.mesh.mesh import Mesh
 from kshell.shell.koiter.discretisation import KoiterDiscretisation, KoiterRecovery
 from kshell.shell.koiter.edges import Directors, rest_directors
 from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.loads import surface_points
+from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.strain_tables import strain_tables
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section
@@ -34,9 +36,156 @@ from kshell.shell.section import Section
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
-# what a surface has by triangle, and what it keeps of that
-BY_TRIANGLE = ("edge_sign", "triangle_nodes", "rotation_edge", "triangle_rotations", "triangle_unknowns")
-KEPT = ("vertex_normals", "corner_angles", "area_elements", "edge_stretch", "edge_tangents")
+
+class Kept(Shared):
+    """Strains of a state and their derivative, of the triangles of each process."""
+
+    def __init__(self, team: Team, linear: Linear) -> None:
+        super().__init__(team)
+        self.linear = linear
+
+
+class KoiterPiece(Shared):
+    """The energy of the triangles of each process.
+
+    Parameters
+    ----------
+    team : Team
+    members : list of int arrays
+        The triangles of each process, ascending.
+    surface : Surface
+    section : Section
+    rest : Directors
+        All of the whole, which the first process alone looks at.
+
+    Attributes
+    ----------
+    energy : Koiter
+        Of the triangles of this process, on their unknowns.
+    triangles, nodes, rotations, unknowns : Share
+    """
+
+    def __init__(
+        self, team: Team, members: Sequence[Ints], surface: Surface, section: Section, rest: Directors
+    ) -> None:
+        super().__init__(team)
+        places = [Places.of(surface, some) for some in members] if team.rank == 0 else []
+
+        def data(rank: int) -> tuple[SurfaceData, Section, Directors]:
+            mine = places[rank]
+            points = None if section.varying is None else surface_points(surface, mine.triangles)
+            return (
+                SurfaceData.of(surface, mine),
+                section_of(section, mine.triangles, points),
+                directors_of(rest, mine),
+            )
+
+        part, own, directors = team.deal(data)
+        self.energy = team.together(lambda: Koiter(PartSurface(part), own, rest=directors))
+        self.energy.kept = 0
+
+        def share(of: Callable[[Places], Ints], count: Callable[[], int]) -> Share:
+            return Share(team, [of(some) for some in places], 0 if team.rank else count())
+
+        self.triangles = share(lambda some: some.triangles, lambda: len(surface.mesh.triangles))
+        self.nodes = share(lambda some: some.nodes, lambda: surface.node_count)
+        self.rotations = share(lambda some: some.rotations, lambda: rest.vectors.shape[1])
+        self.unknowns = share(lambda some: some.unknowns, lambda: surface.unknowns)
+
+    def _memory(self, memory: Directors | None) -> Directors | None:
+        """That of the triangles of this process; None for that of the rest state."""
+        if memory is None:
+            return None
+        whole: Any = memory
+        if memory is ELSEWHERE:
+            nothing = np.zeros((3, 0))  # others are dealt their rows
+            whole = Directors(nothing, nothing, nothing)
+        turned = np.ascontiguousarray(self.rotations.spread(whole.vectors.T).T)
+        return Directors(turned, self.nodes.spread(whole.base), self.triangles.spread(whole.angle))
+
+    def _rows(self, of_triangles: Floats | None) -> Floats | None:
+        return None if of_triangles is None else self.triangles.spread(of_triangles)
+
+    @on_all
+    def strain(self, x: Floats, memory: Directors | None) -> Floats:
+        """(triangle, r)."""
+        own, mine = self.unknowns.spread(x), self._memory(memory)
+        return self.triangles.collect(lambda: self.energy.strain(own, mine))
+
+    @on_all
+    def stress(self, strain: Floats) -> Floats:
+        """(triangle, r)."""
+        own = self.triangles.spread(strain)
+        return self.triangles.collect(lambda: self.energy.stress(own))
+
+    @on_all
+    def linear_strain(self, x: Floats) -> Floats:
+        """(triangle, r)."""
+        own = self.unknowns.spread(x)
+        return self.triangles.collect(lambda: self.energy.linear_strain(own))
+
+    @on_all
+    def linear_forces(self, stress: Floats) -> Floats:
+        """(unknowns,)."""
+        own = self.triangles.spread(stress)
+        return self.unknowns.collect(lambda: self.energy.linear_forces(own))
+
+    @on_all
+    def linear_stiffness(self) -> Terms:
+        """At rest."""
+        return Terms(self.team, self.unknowns, self.team.together(self.energy.linear_stiffness))
+
+    @on_all
+    def forget_pattern(self) -> None:
+        """Leave room for factors: no further matrix is expected."""
+        self.energy.__dict__.pop("sparsity", None)
+
+    @on_all
+    def geometric_stiffness(self, stress: Floats) -> Terms:
+        """Of a stress, at rest."""
+        own = self.triangles.spread(stress)
+        local = self.team.together(lambda: self.energy.geometric_stiffness(own))
+        return Terms(self.team, self.unknowns, local)
+
+    @on_all
+    def mass(self, density: Floats) -> Terms:
+        """Of mass per area at the interior points of all triangles, (triangle, point)."""
+        own = self.triangles.spread(density)
+        local = self.team.together(lambda: mass(self.energy.surface, own))
+        return Terms(self.team, self.unknowns, local)
+
+    @on_all
+    def evaluate(
+        self,
+        x: Floats,
+        derivatives: int,
+        memory: Directors | None,
+        stress: Floats | None,
+        initial: Floats | None,
+        projected: bool,
+    ) -> tuple[float, Any, Terms | None, Kept | None]:
+        """Energy of a state, its gradient (unknowns,), its Hessian, and its strains with their derivative."""
+        own = (self.unknowns.spread(x), derivatives, self._memory(memory), self._rows(stress))
+        strain = self._rows(initial)
+        found = self.team.together(lambda: self.energy.energy(*own, strain, projected))
+        value = self.team.number(lambda: found.value)
+        if derivatives == 0:
+            return value, None, None, None
+        gradient = self.unknowns.collect(lambda: found.gradient)
+        hessian = None if found.hessian is None else Terms(self.team, self.unknowns, found.hessian)
+        return value, gradient, hessian, Kept(self.team, found.linear)
+
+    @on_all
+    def extrapolated_stress(self, kept: Kept, step: Floats) -> Floats:
+        """(triangle, r)."""
+        own = self.unknowns.spread(step)
+        return self.triangles.collect(lambda: self.energy.extrapolated_stress(kept.linear, own))
+
+    @on_all
+    def forces(self, kept: Kept, stress: Floats) -> Floats:
+        """(unknowns,)."""
+        own = self.triangles.spread(stress)
+        return self.unknowns.collect(lambda: self.energy.forces(kept.linear, own))
 
 
 class PartedKoiter(Koiter):
@@ -54,63 +203,49 @@ class PartedKoiter(Koiter):
 
     Attributes
     ----------
-    part : Koiter
-        Of the triangles of this process, on the unknowns of the whole.
-    owner : (unknowns,) int array
-        The first process that has a triangle with the unknown.
+    piece : KoiterPiece
     """
 
     def __init__(self, team: Team, members: Sequence[Ints], surface: Surface, section: Section) -> None:
-        self.team, self.members, self.own = team, members, members[team.rank]
-        self.surface, self.section = surface, section
+        self.team, self.surface, self.section = team, surface, section
         self.tables = strain_tables(surface.order)
         self.blocks = in_blocks(len(surface.mesh.triangles), 2048)
         self.unknowns, self.triangle_unknowns = surface.unknowns, surface.triangle_unknowns
         self.strains = 2 * surface.reference.strains
         self.rest = rest_directors(surface)
-        mine = self.own
-        self.part = team.together(
-            lambda: Koiter(part_of(surface, mine), section_of(section, mine), rest=self._mine(self.rest))
-        )
-        self.owner = np.zeros(self.unknowns, dtype=np.int32)
-        for rank in range(team.size - 1, 0, -1):
-            self.owner[surface.triangle_unknowns[members[rank]]] = rank
-        self.owner[surface.triangle_unknowns[members[0]]] = 0
+        self.piece: KoiterPiece = team.calls.run(KoiterPiece, team, members, surface, section, self.rest)
 
-    def _mine(self, memory: Directors) -> Directors:
-        return replace(memory, angle=memory.angle[self.own])
-
-    def _joined(self, work: Callable[[], Floats]) -> Floats:
-        return self.team.join(self.members, (self.strains,), work)
+    def _memory(self, memory: Any) -> Any:
+        return None if memory is self.rest else memory
 
     @cached_property
     def sparsity(self) -> Sparsity:
-        """That of the part."""
-        return self.part.sparsity
+        """That of the triangles of this process, on their unknowns."""
+        return self.piece.energy.sparsity
 
     def strain(self, x: Floats, memory: Any = None) -> Floats:
-        mine = None if memory is None else self._mine(memory)
-        return self._joined(lambda: self.part.strain(x, mine))
+        return self.piece.strain(x, self._memory(memory))
 
     def stress(self, strain: Floats) -> Floats:
-        return self._joined(lambda: self.part.stress(strain[self.own]))
+        return self.piece.stress(strain)
 
     def linear_strain(self, x: Floats) -> Floats:
-        return self._joined(lambda: self.part.linear_strain(x))
+        return self.piece.linear_strain(x)
 
     def linear_forces(self, stress: Floats) -> Floats:
-        return self.team.sum((self.unknowns,), lambda: self.part.linear_forces(stress[self.own]))
+        return self.piece.linear_forces(stress)
 
     def linear_stiffness(self) -> Any:
         """The stiffness at rest, `Scattered`."""
-        return self._scattered(self.part.linear_stiffness)
+        return Scattered(self.piece.linear_stiffness())
 
     def geometric_stiffness(self, stress: Floats) -> Any:
         """As that of the whole, `Scattered`."""
-        return self._scattered(lambda: self.part.geometric_stiffness(stress[self.own]))
+        return Scattered(self.piece.geometric_stiffness(stress))
 
-    def _scattered(self, work: Callable[[], Any]) -> Scattered:
-        return Scattered(self.team, self.team.together(work), self.owner)
+    def mass(self, density: Floats) -> Scattered:
+        """Of mass per area at the interior points of all triangles."""
+        return Scattered(self.piece.mass(density))
 
     def energy(
         self,
@@ -121,71 +256,17 @@ class PartedKoiter(Koiter):
         initial: Floats | None = None,
         projected: bool = False,
     ) -> Energy:
-        """As that of the whole; the Hessian is `Scattered`, the linear strains are those of the part."""
-        own = self.own
-        mine = None if memory is None else self._mine(memory)
-        found: Energy | None = None
+        """As that of the whole; the Hessian is `Scattered`, and the linear strains are `Kept`."""
+        value, gradient, hessian, kept = self.piece.evaluate(
+            x, derivatives, self._memory(memory), stress, initial, projected
+        )
+        return Energy(value, gradient, None if hessian is None else Scattered(hessian), kept)
 
-        def values() -> Floats:
-            nonlocal found
-            found = self.part.energy(
-                x,
-                derivatives,
-                mine,
-                None if stress is None else stress[own],
-                None if initial is None else initial[own],
-                projected,
-            )
-            return np.append([] if found.gradient is None else found.gradient, found.value)
+    def extrapolated_stress(self, linear: Any, step: Floats) -> Floats:
+        return self.piece.extrapolated_stress(linear, step)
 
-        total = self.team.sum((1 + self.unknowns * (derivatives > 0),), values)
-        assert found is not None
-        value = float(total[-1])
-        if derivatives == 0:
-            return Energy(value)
-        hessian = None if found.hessian is None else Scattered(self.team, found.hessian, self.owner)
-        return Energy(value, total[:-1], hessian, found.linear)
-
-    def extrapolated_stress(self, linear: Linear, step: Floats) -> Floats:
-        return self._joined(lambda: self.part.extrapolated_stress(linear, step))
-
-    def forces(self, linear: Linear, stress: Floats) -> Floats:
-        return self.team.sum((self.unknowns,), lambda: self.part.forces(linear, stress[self.own]))
-
-
-def part_of(surface: Surface, triangles: Ints) -> Surface:
-    """Some triangles of a surface with the nodes and numbers of the whole."""
-    out = copy.copy(surface)
-    for name in KEPT:
-        out.__dict__.pop(name, None)
-    for name in BY_TRIANGLE:
-        setattr(out, name, getattr(surface, name)[triangles])
-    out.mesh = Mesh(surface.mesh.points, surface.mesh.triangles[triangles], source=surface.mesh.source)
-    return out
-
-
-def section_of(section: Section, triangles: Ints) -> Section:
-    """The section of some triangles."""
-
-    def some(values: Floats) -> Floats:
-        return values[triangles] if len(values) > 1 else values
-
-    varying = section.varying
-    if varying is not None:
-        whole = varying
-
-        def varying(numbers: Ints, points: Floats) -> tuple[Floats, Floats, Floats]:
-            return whole(triangles[numbers], points)
-
-    return replace(
-        section,
-        membrane=some(section.membrane),
-        coupling=some(section.coupling),
-        bending=some(section.bending),
-        angle=some(section.angle),
-        direction=section.direction_of(triangles),
-        varying=varying,
-    )
+    def forces(self, linear: Any, stress: Floats) -> Floats:
+        return self.piece.forces(linear, stress)
 
 
 class PartedDiscretisation(KoiterDiscretisation):
@@ -201,8 +282,7 @@ class PartedDiscretisation(KoiterDiscretisation):
     def __init__(self, team: Team, *given: Any) -> None:
         super().__init__(*given)
         self.team = team
-        mesh = self.surface.mesh
-        part = team.once(lambda: partition(mesh, team.size))
+        part = partition(self.surface.mesh, team.size)
         self.members = [np.flatnonzero(part == rank) for rank in range(team.size)]
 
     def energy(self, section: Section, inelastic: Inelastic | None = None) -> PartedKoiter:

@@ -22,7 +22,6 @@ from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Added
 from kshell.errors import InputError
 from kshell.scene.structure import Structure
-from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.model import KoiterModel
 
 Floats = NDArray[np.float64]
@@ -37,8 +36,9 @@ class PetscLinearSolver(LinearSolver):
         self.elastic, self.reduction, self.springs = elastic, reduction, springs
         stiffness = elastic.linear_stiffness()
         stiffness = stiffness if springs is None else stiffness + springs
-        self._factoriser = PetscFactoriser(elastic.team, reduction, elastic.owner)
+        self._factoriser = PetscFactoriser(elastic.team, reduction, elastic.piece.unknowns)
         self._diagonal = stiffness.diagonal()
+        elastic.piece.forget_pattern()
         self._solve = self._factoriser.factorise(stiffness, last=True).solve
         self._require_held()
 
@@ -64,7 +64,7 @@ class PartedProblem(Problem):
     @cached_property
     def _factoriser(self) -> Any:
         energy = cast(PartedKoiter, self.energy)
-        return PetscFactoriser(energy.team, self.reduction, energy.owner, self._symmetric())
+        return PetscFactoriser(energy.team, self.reduction, energy.piece.unknowns, self._symmetric())
 
 
 class PartedKoiterModel(KoiterModel):
@@ -104,21 +104,17 @@ class PartedKoiterModel(KoiterModel):
         return Symmetric.of(stiffness, problem.reduction)
 
     def mass(self) -> Any:
-        whole: Any = self.full_mass()
+        whole = self.full_mass()
         if not whole.diagonal().any():
             raise InputError(NO_DENSITY)
         return Symmetric.of(whole, self.problem.reduction)
 
     def full_mass(self) -> Any:
         problem, energy = self.problem, cast(PartedKoiter, self.problem.energy)
-        own = energy.own
-
-        def mine() -> sp.csr_matrix:
-            points, _ = problem.discretisation.interior_points(own)
-            return mass(energy.surface, problem.section.mass(own, points), own)
-
-        found = Scattered(self.team, self.team.together(mine), energy.owner)
-        return found if problem.added_mass is None else found + problem.added_mass
+        every = np.arange(len(problem.space.triangles))
+        points, _ = problem.discretisation.interior_points(every)
+        found = energy.mass(problem.section.mass(every, points))
+        return found if problem.added_mass is None else found.plus(problem.added_mass)
 
     def near_rest(self) -> Problem:
         whole = super().near_rest()

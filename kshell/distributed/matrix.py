@@ -1,226 +1,154 @@
-"""Matrices of which every process has some terms, and the same in PETSc.
+"""Matrices of which every process has the terms of its own triangles, on the unknowns that these have.
 
 Symbols
 -------
-K_p      what process p has of K: the sum over its triangles, numbered as the whole
-T        basis of the free motions, known to all
-A        T^T K T = sum_p T^T K_p T, its rows divided among the processes
+K_p      what process p has of K: the sum over its triangles, on their unknowns alone
+S        what the first process knows of K besides, such as springs, on all unknowns
 """
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.distributed.calls import Shared, on_all
+from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
-from kshell.equilibrium.reduction import Reduction
-from kshell.errors import InputError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
+TERMS = 14  # tag of the messages with terms of a matrix
 
-class Scattered:
-    """A square matrix that is the sum of what the processes have.
+
+class Terms(Shared):
+    """The terms that the processes have.
 
     Parameters
     ----------
     team : Team
+    share : Share
+        Of the unknowns.
     local : sparse CSR
-        What this process has, of the size of the whole.
-    owner : (unknowns,) int array
-        The process that each row of a matrix known to all belongs to.
+        K_p of this process, on its unknowns.
     """
 
-    def __init__(self, team: Team, local: sp.csr_matrix, owner: Ints) -> None:
-        self.team, self.local, self.owner = team, local, owner
-        self.shape, self.dtype = local.shape, local.dtype
+    def __init__(self, team: Team, share: Share, local: sp.csr_matrix) -> None:
+        super().__init__(team)
+        self.share, self.local = share, local
+
+    @on_all
+    def product(self, x: Floats) -> Floats:
+        """K x of (unknowns,) or (unknowns, k)."""
+        mine = self.share.spread(x)
+        return self.share.collect(lambda: self.local @ mine)
+
+    @on_all
+    def diagonal(self) -> Floats:
+        """(unknowns,)."""
+        return self.share.collect(self.local.diagonal)
+
+    @on_all
+    def combined(self, factor: float, other: Terms | None, times: float) -> Terms:
+        """factor * these + times * others."""
+        local = factor * self.local
+        return Terms(self.team, self.share, local if other is None else (local + times * other.local).tocsr())
+
+    @on_all
+    def sizes(self) -> Terms:
+        """Not less than the sizes of the entries of the sum."""
+        return Terms(self.team, self.share, abs(self.local))
+
+    @on_all
+    def finite(self) -> bool:
+        """Whether all entries are, on all processes."""
+        return not self.team.largest(0.0 if np.isfinite(self.local.data).all() else 1.0)
+
+    @on_all
+    def whole(self) -> sp.csr_matrix | None:
+        """The sum on the first process, None on others."""
+        team, share = self.team, self.share
+        if team.rank:
+            team.send(self.local, 0, TERMS)
+            return None
+        parts = [self.local, *(team.receive(r, TERMS) for r in range(1, team.size))]
+        shape = (share.count, share.count)
+        total = sp.csr_matrix(shape)
+        for rows, part in zip(share.of_all, parts, strict=True):
+            entries = part.tocoo()
+            total = total + sp.csr_matrix((entries.data, (rows[entries.row], rows[entries.col])), shape=shape)
+        return total
+
+
+class Scattered:
+    """A square matrix that is the sum of what the processes have and of what the first one knows.
+
+    Parameters
+    ----------
+    terms : Terms
+    known : sparse CSR, optional
+        S; the same on all where they work alongside.
+    """
+
+    def __init__(self, terms: Terms, known: sp.csr_matrix | None = None) -> None:
+        self.terms, self.known = terms, known
+        self.team, self.share = terms.team, terms.share
+        self.shape, self.dtype = (self.share.count, self.share.count), np.dtype(np.float64)
 
     def __matmul__(self, x: Floats) -> Floats:
-        """The product with vectors (unknowns,) or (unknowns, k), on all processes."""
-        return self.team.sum(np.shape(x), lambda: self.local @ x)
+        """The product with vectors (unknowns,) or (unknowns, k)."""
+        found = self.terms.product(x)
+        return found if self.known is None else found + self.known @ x
 
     def diagonal(self) -> Floats:
-        """(unknowns,), on all processes."""
-        return self.team.sum(self.shape[:1], self.local.diagonal)
+        """(unknowns,)."""
+        found = self.terms.diagonal()
+        return found if self.known is None else found + self.known.diagonal()
 
     def plus(self, other: sp.spmatrix, factor: float = 1.0) -> Scattered:
-        """The sum with a multiple of a matrix that all processes know: each adds its rows."""
-        mine = sp.diags((self.owner == self.team.rank).astype(float))
-        return self._with(self.local + factor * (mine @ other))
+        """The sum with a multiple of a matrix that is known whole."""
+        known = factor * other
+        return type(self)(self.terms, (known if self.known is None else self.known + known).tocsr())
 
     def __add__(self, other: sp.spmatrix | Scattered) -> Scattered:
-        if isinstance(other, Scattered):
-            return self._with(self.local + other.local)
-        return self.plus(other)
+        return self._with(1.0, other, 1.0) if isinstance(other, Scattered) else self.plus(other)
 
     def __sub__(self, other: Scattered) -> Scattered:
-        return self._with(self.local - other.local)
+        return self._with(1.0, other, -1.0)
 
     def __rmul__(self, factor: float) -> Scattered:
-        return self._with(factor * self.local)
+        return self._with(factor, None, 0.0)
 
     def __abs__(self) -> Scattered:
         """Not less than the sizes of the entries of the sum."""
-        return self._with(abs(self.local))
+        return type(self)(self.terms.sizes(), None if self.known is None else abs(self.known))
 
-    def _with(self, local: sp.spmatrix) -> Scattered:
-        return type(self)(self.team, local.tocsr(), self.owner)
+    def _with(self, factor: float, other: Scattered | None, times: float) -> Scattered:
+        terms = self.terms.combined(float(factor), None if other is None else other.terms, float(times))
+        known = None if self.known is None else factor * self.known
+        if other is not None and other.known is not None:
+            more = times * other.known
+            known = more if known is None else known + more
+        return type(self)(terms, None if known is None else known.tocsr())
 
     def tocsr(self) -> Scattered:
         """Itself."""
         return self
 
+    def whole(self) -> sp.csr_matrix | None:
+        """All of it on the first process, None on others: of small matrices."""
+        found = self.terms.whole()
+        return found if found is None or self.known is None else found + self.known
+
     def toarray(self) -> Floats:
-        """All of it, on all processes: of small matrices."""
-        return self.team.sum(self.shape, self.local.toarray)
+        """All of it, on all processes that have vectors: of small matrices."""
+        found = self.whole()
+        if not self.team.calls.led:
+            found = self.team.communicator.bcast(found)
+        assert found is not None
+        return np.asarray(found.toarray())
 
     def matvec(self, x: Floats) -> Floats:
         """The product with one vector."""
         return self @ np.ravel(x)
-
-
-class Numbering:
-    """Numbers of the free unknowns in PETSc, where those of a process come one after the other.
-
-    Parameters
-    ----------
-    team : Team
-    basis : (unknowns, free) sparse
-        T.
-    owner : (unknowns,) int array
-        The process of each unknown. A free unknown belongs to that of the first unknown it moves.
-
-    Attributes
-    ----------
-    size, mine : int
-        How many there are, and how many of them are of this process.
-    place : (free,) int array
-        New number of each.
-    order : (free,) int array
-        The free unknowns in their new order.
-    own : (mine,) int array
-        Those of this process.
-    """
-
-    def __init__(self, team: Team, basis: sp.csc_matrix, owner: Ints) -> None:
-        self.team, self.size = team, int(basis.shape[1])
-        first = basis.indices[basis.indptr[:-1]] if self.size else np.zeros(0, dtype=np.int64)
-        of = owner[first]
-        self.order = np.argsort(of, kind="stable")
-        self.place = np.empty(self.size, dtype=np.int32)
-        self.place[self.order] = np.arange(self.size, dtype=np.int32)
-        counts = np.bincount(of, minlength=team.size)
-        ends = np.cumsum(counts)
-        self.members = [self.order[end - count : end] for end, count in zip(ends, counts, strict=True)]
-        self.own = self.members[team.rank]
-        self.mine = len(self.own)
-
-
-class Reduced:
-    """A = T^T K T in PETSc, for many K of one pattern.
-
-    Parameters
-    ----------
-    numbering : Numbering
-    reduction : Reduction
-        T.
-    half : bool
-        Whether the upper triangle alone is kept, which tells a symmetric matrix.
-
-    Attributes
-    ----------
-    mat : petsc4py.PETSc.Mat
-    """
-
-    def __init__(self, numbering: Numbering, reduction: Reduction, half: bool) -> None:
-        self.numbering, self.reduction, self.half = numbering, reduction, half
-        self._pattern: tuple[Ints, Ints] | None = None
-        self.mat: Any = None
-
-    def fill(self, matrix: Scattered) -> bool:
-        """Make `mat` the reduced matrix of K; whether its pattern is a new one.
-
-        Raises
-        ------
-        InputError
-            If the numbers of PETSc at hand are too small for the matrix.
-        """
-        team = self.numbering.team
-        rows = self._own_rows(matrix)
-        known = self._pattern
-        new = known is None or not (
-            np.array_equal(known[0], rows.indptr) and np.array_equal(known[1], rows.indices)
-        )
-        if not team.number(lambda: new):
-            self.mat.zeroEntries()
-            self.mat.setValuesCSR(rows.indptr, rows.indices, rows.data)
-            self.mat.assemble()
-            return False
-        self._pattern = (rows.indptr, rows.indices)
-        self._create(rows)
-        return True
-
-    def _own_rows(self, matrix: Scattered) -> sp.csr_matrix:
-        """(mine, free) the rows of this process, with what all others have of them."""
-        team = self.numbering.team
-        given = team.communicator.alltoall(team.together(lambda: self._rows_by_process(matrix.local)))
-        return team.together(lambda: _added(given))
-
-    def _create(self, rows: sp.csr_matrix) -> None:
-        from petsc4py import PETSc
-
-        numbering, kind = self.numbering, PETSc.IntType
-        limit = np.iinfo(kind).max
-        largest = numbering.team.largest(float(rows.nnz))
-        if largest > limit or numbering.size > limit:
-            raise InputError(
-                f"{numbering.size} unknowns with {largest:.3g} entries on one process: the PETSc at hand counts to "
-                f"{limit}; take more processes, or a PETSc with 64-bit indices"
-            )
-        if self.mat is not None:
-            self.mat.destroy()
-        size = ((numbering.mine, numbering.size), (numbering.mine, numbering.size))
-        csr = (rows.indptr.astype(kind), rows.indices.astype(kind), rows.data)
-        make = PETSc.Mat().createSBAIJ if self.half else PETSc.Mat().createAIJ
-        self.mat = make(size, *([1] if self.half else []), csr=csr, comm=numbering.team.communicator)
-        self.mat.assemble()
-
-    def _rows_by_process(self, local: sp.csr_matrix) -> list[sp.csr_matrix | None]:
-        """What this process has of the rows of each, in the new numbers; None where that is nothing."""
-        numbering = self.numbering
-        reduced = self.reduction.reduce(local)[numbering.order]
-        column = numbering.place[reduced.indices]
-        row = np.repeat(np.arange(numbering.size, dtype=np.int32), np.diff(reduced.indptr))
-        # unknowns of other processes have a zero on the diagonal here, and nothing else
-        kept = (reduced.data != 0.0) | (np.diff(reduced.indptr)[row] > 1)
-        if self.half:
-            kept &= column >= row
-        count = np.bincount(row[kept], minlength=numbering.size)
-        del row
-        start = np.concatenate([[0], np.cumsum(count)])
-        data, column = reduced.data[kept], column[kept]
-        del reduced, kept
-        out: list[sp.csr_matrix | None] = []
-        end = 0
-        for members in numbering.members:
-            begin, end = end, end + len(members)
-            some = slice(start[begin], start[end])
-            shape = (end - begin, numbering.size)
-            block = (data[some], column[some], start[begin : end + 1] - start[begin])
-            out.append(sp.csr_matrix(block, shape=shape) if start[end] > start[begin] else None)
-        mine = numbering.team.rank
-        if out[mine] is None:
-            out[mine] = sp.csr_matrix((numbering.mine, numbering.size))
-        return out
-
-
-def _added(parts: list[sp.csr_matrix | None]) -> sp.csr_matrix:
-    """The sum of what all processes have of some rows."""
-    present = [part for part in parts if part is not None]
-    total = sum(present[1:], present[0]).tocsr()
-    total.sort_indices()
-    return total

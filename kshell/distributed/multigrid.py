@@ -1,7 +1,7 @@
 """The multigrid of plates on a team: kshell's interpolations in PETSc's PCMG.
 
-Interpolations are found by all processes, each keeps the rows of its own unknowns; the coarse matrices are products of
-PETSc. A W-cycle with one symmetric sweep of Gauss-Seidel inside each process, MUMPS on the coarsest level.
+Interpolations are found by the first process and dealt out by rows; the coarse matrices are products of PETSc. A
+W-cycle with one symmetric sweep of Gauss-Seidel inside each process, MUMPS on the coarsest level.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.distributed.factor import NAME, whole_reduction
-from kshell.distributed.matrix import Numbering, Reduced, Scattered
+from kshell.distributed.matrix import Scattered
+from kshell.distributed.numbering import Assembled, Basis, Numbering
 from kshell.distributed.prepared import PetscFactorisation
 from kshell.solvers.multigrid.galerkin import entries
 from kshell.solvers.multigrid.hierarchy import prolongations
@@ -39,8 +40,12 @@ class PetscMultigrid(Multigrid):
     def __init__(self, matrix: Scattered, space: PlateSpace, why: str) -> None:
         begin = time.perf_counter()
         self.matrix, self.element, self.space = matrix, space.element, space
-        blocks, _, notes, _ = prolongations(space)
-        self._build([sp.csr_matrix(entries(block)) for block in blocks])
+        chain: list[Any] = []
+        notes: list[str] = []
+        if matrix.team.rank == 0:
+            blocks, _, notes, _ = prolongations(space)
+            chain = [sp.csr_matrix(entries(block)) for block in blocks]
+        self._build(chain)
         self.name, self.why = f"{NAME.partition(' ')[0]} (multigrid)", why
         self.warnings = tuple(notes)
         self.setup_seconds = time.perf_counter() - begin
@@ -50,24 +55,26 @@ class PetscMultigrid(Multigrid):
     def _build(self, chain: list[Any]) -> None:
         from petsc4py import PETSc
 
-        team = self.matrix.team
-        size = self.matrix.shape[0]
-        every = whole_reduction(size)
-        self._fine = Numbering(team, every.basis, self.matrix.owner)
-        self._reduced = Reduced(self._fine, every, half=False)
-        self._reduced.fill(self.matrix)
-        mat = self._reduced.mat
+        team, terms, share = self.matrix.team, self.matrix.terms, self.matrix.share
+        basis = Basis(team, whole_reduction(self.matrix.shape[0]), share)
+        self._fine = here = Numbering(team, basis.free.owner)
+        self._assembled = Assembled(basis, here, half=False)
+        self._assembled.fill(terms, self.matrix.known)
+        mat = self._assembled.mat
         mat.setOption(PETSc.Mat.Option.SPD, True)
-        here, owner, kept = self._fine, self.matrix.owner, None
+        owner, kept = basis.free.owner, None
         steps = []
-        for matrix in chain:
-            step = matrix if kept is None else matrix[kept]
-            columns = step.tocsc()
-            kept = np.flatnonzero(np.diff(columns.indptr) > 0)  # the others are forbidden by supports
-            columns = columns[:, kept]
-            owner = owner[columns.indices[columns.indptr[:-1]]]
-            there = Numbering(team, sp.identity(len(kept), format="csc"), owner)
-            steps.append(_rows(columns.tocsr(), here, there))
+        for number in range(team.once(lambda: len(chain))):
+            step = None
+            if team.rank == 0:
+                step = chain[number] if kept is None else chain[number][kept]
+                columns = step.tocsc()
+                kept = np.flatnonzero(np.diff(columns.indptr) > 0)  # the others are forbidden by supports
+                columns = columns[:, kept]
+                owner = owner[columns.indices[columns.indptr[:-1]]]
+                step = columns.tocsr()
+            there = Numbering(team, owner)
+            steps.append(_rows(step, here, there))
             here = there
         pc = PETSc.PC().create(team.communicator)
         pc.setOperators(mat)
@@ -100,9 +107,9 @@ class PetscMultigrid(Multigrid):
     def precondition(self, residual: Floats) -> Floats:
         """One cycle from zero."""
         right, left = self._vectors
-        right.setArray(np.asarray(residual)[self._fine.own])
+        right.setArray(self._fine.own.spread(np.asarray(residual, dtype=float)))
         self._pc.apply(right, left)
-        return self._fine.team.join(self._fine.members, (), left.getArray)
+        return self._fine.own.collect(left.getArray)
 
     def _run(
         self, rhs: Floats, tolerance: float | None, progress: Progress | None, product: Product | None
@@ -126,12 +133,16 @@ class PetscMultigrid(Multigrid):
 
 
 def _rows(step: sp.csr_matrix, fine: Numbering, coarse: Numbering) -> Any:
-    """What this process has of an interpolation, in PETSc."""
+    """What this process has of an interpolation, in PETSc; the first one knows it."""
     from petsc4py import PETSc
 
-    own = step[fine.own].tocsr()
-    own = sp.csr_matrix((own.data, coarse.place[own.indices], own.indptr), shape=own.shape)
-    own.sort_indices()
+    def part(rank: int) -> sp.csr_matrix:
+        own = step[fine.own.of_all[rank]].tocsr()
+        own = sp.csr_matrix((own.data, coarse.place[own.indices], own.indptr), shape=own.shape)
+        own.sort_indices()
+        return own
+
+    own = fine.team.deal(part)
     size = ((fine.mine, fine.size), (coarse.mine, coarse.size))
     kind = PETSc.IntType
     csr = (own.indptr.astype(kind), own.indices.astype(kind), np.ascontiguousarray(own.data))

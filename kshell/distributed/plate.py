@@ -13,13 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.distributed.factor import Symmetric
+from kshell.distributed.matrix import Terms
 from kshell.distributed.multigrid import PetscMultigrid
 from kshell.distributed.partition import partition
 from kshell.distributed.prepared import PetscFactorisation
+from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
 from kshell.equilibrium.model import NO_DENSITY, Solved
 from kshell.errors import InputError
 from kshell.plate.assembly import Assembled, assemble_load, assemble_part
+from kshell.plate.forms import Form
 from kshell.plate.model import PlateModel
 from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.problem import PlateProblem
@@ -52,11 +55,25 @@ class PartedPlateProblem(PlateProblem):
         mesh = self.mesh
         part = team.once(lambda: partition(mesh, team.size))
         self.own = part == team.rank
-        node = np.full(len(mesh.points) + len(mesh.edges), team.size - 1, dtype=np.int32)
+        starts = np.concatenate([[0], np.cumsum(self.reduction.sizes)])
         nodes = np.concatenate([mesh.triangles, len(mesh.points) + mesh.triangle_edges], axis=1)
-        for rank in range(team.size - 1, -1, -1):
-            node[nodes[part == rank]] = rank
-        self.owner = np.repeat(node, self.reduction.sizes)
+
+        def unknowns_of(rank: int) -> Ints:
+            some = np.unique(nodes[part == rank])
+            counts = self.reduction.sizes[some]
+            first = np.repeat(starts[some] - (np.cumsum(counts) - counts), counts)
+            return first + np.arange(len(first))
+
+        every = [unknowns_of(rank) for rank in range(team.size)]
+        self.share = Share(team, every, self.reduction.count)
+
+    def terms(self, forms: Sequence[Form]) -> Symmetric:
+        """The sum of forms."""
+        return Symmetric(
+            _terms(
+                self, self.team.together(lambda: assemble_part(forms, self.domain, self.reduction, self.own))
+            )
+        )
 
     def _assemble(self, pattern: Pattern | FullPattern | None = None) -> Assembled:
         team = self.team
@@ -65,7 +82,7 @@ class PartedPlateProblem(PlateProblem):
             [*self.loads.forms, *self.supports.hold_loads], self.domain, self.reduction
         )
         return Assembled(
-            Symmetric(team, own.matrix, self.owner),
+            Symmetric(_terms(self, own)),
             load,
             work,
             team.sum((self.reduction.count,), lambda: own.fixed_load),
@@ -83,6 +100,12 @@ class PartedPlateProblem(PlateProblem):
         return self.assembled
 
 
+def _terms(problem: PartedPlateProblem, own: Assembled) -> Terms:
+    """What the triangles of this process give, on their unknowns."""
+    mine = problem.share.mine
+    return Terms(problem.team, problem.share, own.matrix[mine][:, mine])
+
+
 class PartedPlateModel(PlateModel):
     """A Kirchhoff plate of a team.
 
@@ -95,6 +118,7 @@ class PartedPlateModel(PlateModel):
 
     def __init__(self, team: Team, structure: Structure, element: str, reasons: Sequence[str] = ()) -> None:
         self.team = team
+        team.calls.alongside()  # every process has all of a plate
         super().__init__(structure, element, reasons)
 
     def _posed(self, structure: Structure, element: Any) -> PartedPlateProblem:
@@ -106,11 +130,7 @@ class PartedPlateModel(PlateModel):
     def mass(self) -> Any:
         problem = self.problem
         assert isinstance(problem, PartedPlateProblem)
-        own, inertia = problem.own, problem.inertia
-        local = self.team.together(
-            lambda: assemble_part(inertia, problem.domain, problem.reduction, own).matrix
-        )
-        found = Symmetric(self.team, local, problem.owner)
+        found = problem.terms(problem.inertia)
         if not found.diagonal().any():
             raise InputError(NO_DENSITY)
         return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import scipy.sparse as sp
 
@@ -46,10 +47,9 @@ class PetscFactorisation(Factorisation):
 
 def _named(matrix: Scattered, space: PlateSpace, error: SolveError) -> SolveError:
     """The error with the motion that is free, which needs the whole matrix: the first process gathers it."""
-    parts = matrix.team.communicator.gather(matrix.local)
+    whole: Any = matrix.whole()
 
     def words() -> str:
-        whole = sum(parts[1:], parts[0]).tocsr()
         from kshell.solvers.backends import SUPERLU
 
         solve, _ = SUPERLU.factorise((whole + sp.diags(SHIFT * whole.diagonal())).tocsr())

@@ -9,13 +9,16 @@ import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from kshell.distributed.partition import partition
 from kshell.distributed.team import Team
 from kshell.errors import InputError
-from kshell.result.pieces import old_pieces, piece_name, pieces_index, write_piece
+from kshell.result.pieces import old_pieces, piece_name, piece_of, pieces_index
 from kshell.result.result import Result
 from kshell.result.saving import Writer, cannot_be_written, unfinished, writers_of
+from kshell.result.vtu import head, unstructured
+from kshell.result.vtu_file import write_triangles
 
 
 def save_pieces(
@@ -29,13 +32,28 @@ def save_pieces(
         If a file cannot be written; says which and why.
     """
     place = Path(folder)
-    part = team.once(lambda: partition(result.mesh, team.size))
     names = [piece_name(rank) for rank in range(team.size)]
-    writers: dict[str, Writer] = {names[team.rank]: lambda path: write_piece(path, result, part == team.rank)}
-    if team.rank == 0:
-        writers |= writers_of(result) | dict(pictures)
-        del writers["result.vtu"]
-        writers["result.pvtu"] = lambda path: path.write_text(pieces_index(result, names), encoding="utf-8")
+
+    def parts() -> tuple[Any, Any, str]:
+        if team.rank:
+            return None, None, ""
+        return unstructured(result), partition(result.mesh, team.size), head(result)
+
+    whole, part, words = team.together(parts)
+    piece, words = team.deal(lambda rank: (piece_of(whole, part == rank), words))
+    writers: dict[str, Writer] = {names[team.rank]: lambda path: write_triangles(path, piece, words)}
+
+    def more() -> dict[str, Writer]:
+        if team.rank:
+            return {}
+        found = writers_of(result) | dict(pictures)
+        del found["result.vtu"]
+        return {
+            **found,
+            "result.pvtu": lambda path: path.write_text(pieces_index(whole, names), encoding="utf-8"),
+        }
+
+    writers |= team.together(more)
     # a NaN is found before anything is touched
     listed = team.once(lambda: sorted({*writers, *names}))
     room = team.once(lambda: _opened(place, listed))

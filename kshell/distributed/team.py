@@ -10,20 +10,21 @@ from __future__ import annotations
 import importlib.util
 import math
 import pickle
-from collections.abc import Callable, Sequence
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any, NoReturn, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.distributed.calls import Calls
 from kshell.distributed.launch import launched
 from kshell.errors import InputError, Interrupted, SolveError
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
 T = TypeVar("T")
 
+DEALT = 12  # tag of the messages with what the first process deals out
 EXTRA = 'pip install "kshell[distributed]" (Linux, Python 3.12 or later), or install petsc4py and mpi4py otherwise'
 
 
@@ -37,11 +38,17 @@ class Team:
     Attributes
     ----------
     rank, size : int
+    calls : Calls
+        Those of the first process to the others.
+    agreed : exception or None
+        The last error that all had alike.
     """
 
     def __init__(self, communicator: Any) -> None:
         self.communicator = communicator
         self.rank, self.size = int(communicator.rank), int(communicator.size)
+        self.calls = Calls(self)
+        self.agreed: BaseException | None = None
 
     def agree(self, error: BaseException | None) -> None:
         """Raise the error of the first process that has one, on all.
@@ -107,39 +114,42 @@ class Team:
 
         return float(self.sum((self.size,), mine).max())
 
-    def join(self, members: Sequence[Ints], row: tuple[int, ...], work: Callable[[], Floats]) -> Floats:
-        """(n, *row) rows put together from those that each process has.
+    def send(self, value: Any, rank: int, tag: int) -> None:
+        """Send something to a process."""
+        self.communicator.send(value, rank, tag)
 
-        Parameters
-        ----------
-        members : sequence of int arrays
-            Of each process the numbers of its rows; together they are all.
-        row : tuple of int
-            Shape of a row.
-        work : function
-            Gives the rows of this process, in that order.
-        """
-        value, error = _tried(work)
-        width = math.prod(row)
-        counts = [len(rows) * width + 1 for rows in members]  # behind the rows whether they are there
-        mine = np.zeros(counts[self.rank])
+    def receive(self, rank: int, tag: int) -> Any:
+        """What a process sends to this one."""
+        return self.communicator.recv(source=rank, tag=tag)
+
+    def deal(self, work: Callable[[int], T]) -> T:
+        """What a function gives on the first process for the rank of this one; one after the other."""
+        error: BaseException | None = None
+        if self.rank:
+            return cast(T, self._dealt(self.receive(0, DEALT)))
+        for rank in range(1, self.size):
+            value: Any = None
+            if error is None:
+                value, error = _tried(partial(work, rank))
+            self.send(value, rank, DEALT)
+        own: Any = None
         if error is None:
-            mine[:-1] = np.ravel(value)
-        else:
-            mine[-1] = 1.0
-        flat = np.empty(sum(counts))
-        self.communicator.Allgatherv(mine, (flat, counts))
-        ends = np.cumsum(counts)
-        if flat[ends - 1].any():
-            self._raise_first(error)
-        out = np.empty((sum(len(rows) for rows in members), *row))
-        out[np.concatenate(members)] = np.delete(flat, ends - 1).reshape(-1, *row)
-        return out
+            own, error = _tried(partial(work, 0))
+        return cast(T, self._dealt(own, error))
+
+    def _dealt(self, value: Any, error: BaseException | None = None) -> Any:
+        self.agree(error)
+        return value
+
+    def alike(self, error: BaseException) -> BaseException:
+        """An error that all processes raise by themselves, because all know the same."""
+        self.agreed = error
+        return error
 
     def _raise_first(self, error: BaseException | None) -> NoReturn:
-        every = self.communicator.allgather(None if error is None else _sendable(error))
+        every = self.communicator.allgather(None if error is None else sendable(error))
         first = next(rank for rank, found in enumerate(every) if found is not None)
-        raise error if error is not None and first == self.rank else every[first]
+        raise self.alike(error if error is not None and first == self.rank else every[first])
 
 
 def _tried(work: Callable[[], Any]) -> tuple[Any, BaseException | None]:
@@ -154,7 +164,7 @@ def _nothing() -> Any:
     return None
 
 
-def _sendable(error: BaseException) -> BaseException:
+def sendable(error: BaseException) -> BaseException:
     """The error as others can get it: without the state that it may carry."""
     if isinstance(error, SolveError | Interrupted):
         return type(error)(str(error))

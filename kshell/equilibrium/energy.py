@@ -11,6 +11,7 @@ This module knows nothing else about shells; a discretisation supplies s, s' and
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -25,7 +26,7 @@ from kshell.solvers.dissection import dissected
 
 Floats = NDArray[np.float64]
 
-KEPT = 300_000  # unknowns up to which linear strains are kept while the matrix is factorised
+KEPT = 300_000  # unknowns up to which linear strains are kept while the matrix is factorised, which takes more room
 
 
 class Linear(NamedTuple):
@@ -75,8 +76,11 @@ class StrainEnergy(ABC):
         Memory of the rest state: what the discretisation keeps of a state besides the unknowns (directors). None or a
         dataclass of arrays; `settle` makes that of other states. Its `inelastic` (triangle, r), if there, are strains
         without stress that stay.
+    kept : int
+        Unknowns up to which linear strains are kept from the matrix on; of more they are found again when needed.
     """
 
+    kept = KEPT
     unknowns: int
     triangle_unknowns: NDArray[np.int32]
     strains: int
@@ -241,9 +245,18 @@ class StrainEnergy(ABC):
     def linear_stiffness(self) -> sp.csr_matrix:
         """Second derivative of the energy at rest."""
         room = self.sparsity.empty()
-        for triangles, gradient in zip(self.blocks, self.at_rest.gradients, strict=True):
+        for triangles, gradient in zip(self.blocks, self._gradients_at_rest(), strict=True):
             self.sparsity.put(room, triangles, self._product(gradient, triangles))
         return self.sparsity.matrix(room)
+
+    def _gradients_at_rest(self) -> Iterator[Floats]:
+        """Those of `at_rest`, block by block."""
+        if self.unknowns <= self.kept or "at_rest" in self.__dict__:
+            yield from self.at_rest.gradients
+            return
+        x = np.zeros(self.unknowns)
+        for triangles in self.blocks:
+            yield self._gradient(self._state(x, self.rest, triangles), triangles)
 
     def dense_stiffness(self) -> Floats:
         """The same as a full matrix."""
@@ -256,14 +269,7 @@ class StrainEnergy(ABC):
     def free_stiffness(self, pattern: FreePattern) -> tuple[Floats, Floats]:
         """The same in the free unknowns: entries of the pattern, and the diagonal (unknowns,) in all unknowns."""
         data, diagonal = np.zeros(pattern.entries + 1), np.zeros(self.unknowns)
-        x = np.zeros(self.unknowns)
-        for number, triangles in enumerate(self.blocks):
-            # those of many triangles are not kept until the factor, which takes more room, is made
-            gradient = (
-                self._gradient(self._state(x, self.rest, triangles), triangles)
-                if self.unknowns > KEPT
-                else self.at_rest.gradients[number]
-            )
+        for triangles, gradient in zip(self.blocks, self._gradients_at_rest(), strict=True):
             matrices = self._product(gradient, triangles)
             pattern.add(data, triangles, matrices)
             own = np.einsum("eii->ei", matrices)

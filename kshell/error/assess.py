@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from kshell.equilibrium.model import Model, Solved
+from kshell.equilibrium.problem import State
 from kshell.error.assessment import Assessment
 from kshell.result.result import Result
-
-if TYPE_CHECKING:
-    from kshell.equilibrium.problem import State
 
 DUALS = 3  # dual solutions at most, where no tolerance asks for more
 
@@ -21,7 +19,6 @@ def assess(
     result: Result,
     duals: int = DUALS,
     names: Sequence[str] | None = None,
-    marks: bool = False,
 ) -> Assessment:
     """How far a result may be from the exact one of its model.
 
@@ -36,8 +33,6 @@ def assess(
         How many dual solutions may be made.
     names : sequence of str, optional
         Probes; all if absent.
-    marks : bool
-        Whether triangles are to be marked for refinement where that is work of its own.
     """
     wanted = list(model.structure.probes) if names is None else list(names)
     rest: Any = answer
@@ -45,7 +40,7 @@ def assess(
     if (model.kind, model.element) == ("shell", "koiter"):
         from kshell.error import shells
 
-        if not isinstance(answer, Solved):
+        if isinstance(answer, State):
             return shells.assess_state(of, answer, result, duals, wanted)
         return shells.assess_small(of, rest.x, result, duals, wanted)
     if (model.kind, model.element) == ("plate", "argyris"):
@@ -56,10 +51,10 @@ def assess(
         from kshell.error.plate_averages import assess_averages
 
         return assess_averages(of, rest, result, duals, wanted)
-    if not isinstance(answer, Solved):
+    if isinstance(answer, State):
         return Assessment(
             why_not='no estimate of large deflections of Argyris shells: element = "koiter" has one'
         )
     from kshell.error.two_elements import assess_difference
 
-    return assess_difference(of, rest, result, wanted, marks)
+    return assess_difference(of, rest, result, wanted)

@@ -7,17 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.result.vtu import head, unstructured
-from kshell.result.vtu_file import Unstructured, write_triangles
-
-if TYPE_CHECKING:
-    from kshell.result.result import Result
+from kshell.result.vtu_file import Unstructured
 
 NODE, TRIANGLE = "node", "triangle"
 INDEX = "result.pvtu"
@@ -34,9 +30,8 @@ def old_pieces(folder: Path, names: Iterable[str]) -> list[Path]:
     return [path for path in [folder / "result.vtu", *folder.glob(PATTERN)] if path.name not in set(names)]
 
 
-def piece_of(result: Result, mine: NDArray[np.bool_]) -> Unstructured:
-    """Some triangles of a result."""
-    whole = unstructured(result)
+def piece_of(whole: Unstructured, mine: NDArray[np.bool_]) -> Unstructured:
+    """Some triangles of what a result has."""
     chosen = np.flatnonzero(mine)
     nodes, cells = np.unique(whole.cells[chosen], return_inverse=True)
     point_data = {name: values[nodes] for name, values in whole.point_data.items()}
@@ -46,16 +41,11 @@ def piece_of(result: Result, mine: NDArray[np.bool_]) -> Unstructured:
     return Unstructured(whole.points[nodes], cells.reshape(shape), point_data, cell_data, whole.components)
 
 
-def write_piece(path: Path, result: Result, mine: NDArray[np.bool_]) -> None:
-    """Write some triangles of a result."""
-    write_triangles(path, piece_of(result, mine), head(result))
-
-
-def pieces_index(result: Result, names: Sequence[str]) -> str:
+def pieces_index(whole: Unstructured, names: Sequence[str]) -> str:
     """The text of result.pvtu: what the pieces have, and where they are."""
     from xml.sax.saxutils import quoteattr
 
-    none = piece_of(result, np.zeros(len(result.mesh.triangles), dtype=bool))
+    none = piece_of(whole, np.zeros(len(whole.cells), dtype=bool))
 
     def array(name: str, values: NDArray[Any]) -> str:
         kind = {"f": "Float", "i": "Int", "u": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)

@@ -23,12 +23,16 @@ MAIN = "from kshell.cli.commands import main\nmain()\n"
 STAGES = {
     "read": ("kshell.scene.scene", "Scene.read_mesh"),
     "resolve": ("kshell.analysis.solve", "resolve"),
+    "deal": ("kshell.distributed.piece", "SurfaceData.of"),
+    "receive": ("kshell.shell.koiter.energy", "triangle_stiffness"),
     "assemble": ("kshell.shell.koiter.energy", "Koiter.linear_stiffness"),
     "supports": ("kshell.shell.problem", "apply_supports"),
-    "factor": ("kshell.distributed.factor", "PetscFactoriser._set_up"),
+    "reduce": ("kshell.distributed.numbering", "blocks_of"),
+    "factor": ("kshell.distributed.factor", "Mumps._new"),
     "refine": ("kshell.shell.koiter.energy", "Koiter.linear_strain"),
     "recover": ("kshell.shell.model", "answer_linear"),
-    "write": ("kshell.distributed.saving", "write_piece"),
+    "cut": ("kshell.distributed.saving", "piece_of"),
+    "write": ("kshell.distributed.saving", "write_triangles"),
 }
 INJECT = """
 import importlib, os, sys, time
@@ -45,18 +49,18 @@ if os.environ["PMI_RANK"] == rank:
         raise errors[kind]("put here on purpose")
     setattr(place, last, fails)
 """
-# all say that they have solved; then one of them takes its time, and the others wait for it
+# all say that they are there; then one of them takes its time, and the others wait for it
 SLOW = """
 import os, time
-import kshell.shell.model
-old = kshell.shell.model.answer_linear
+from kshell.shell.koiter.energy import Koiter
+old = Koiter.linear_strain
 def slowly(*given):
     rank = os.environ["PMI_RANK"]
     open(os.path.join({folder!r}, rank), "w").write(str(os.getpid()))
     if rank == "1":
         time.sleep(60)
     return old(*given)
-kshell.shell.model.answer_linear = slowly
+Koiter.linear_strain = slowly
 """
 
 
@@ -82,12 +86,16 @@ def errors_in(text: str) -> list[str]:
     ("stage", "rank", "kind", "code"),
     [
         ("read", 0, "InputError", 2),
-        ("resolve", 1, "InputError", 2),
+        ("resolve", 0, "InputError", 2),
         ("supports", 0, "InputError", 2),
+        ("deal", 0, "ValueError", 1),
+        ("receive", 1, "SolveError", 1),
         ("assemble", 2, "MemoryError", 1),
+        ("reduce", 1, "SolveError", 1),
         ("factor", 1, "SolveError", 1),
         ("refine", 1, "SolveError", 1),
         ("recover", 0, "ValueError", 1),
+        ("cut", 0, "SolveError", 1),
         ("write", 1, "SolveError", 1),
     ],
 )

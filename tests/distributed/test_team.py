@@ -1,12 +1,17 @@
 """Several processes played by threads: what they put together is what one has, and errors are raised by all."""
 
+import pickle
 import threading
+import weakref
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
+from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 import kshell as ks
@@ -14,9 +19,14 @@ from kshell.analysis.clock import Clock
 from kshell.analysis.model_choice import choose_model
 from kshell.analysis.models import as_analysed, model_of_team
 from kshell.analysis.run import Run
-from kshell.distributed.koiter import PartedDiscretisation, part_of, section_of
-from kshell.distributed.matrix import Numbering, Reduced, Scattered
+from kshell.distributed.calls import Shared, on_all
+from kshell.distributed.koiter import PartedDiscretisation
+from kshell.distributed.leading import Told, answered
+from kshell.distributed.matrix import Scattered
+from kshell.distributed.numbering import Assembled, Basis, Numbering, reduced
 from kshell.distributed.partition import halved, partition
+from kshell.distributed.piece import PartSurface, Places, SurfaceData, section_of
+from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
 from kshell.equilibrium.reduction import Reduction
 from kshell.scene.structure import resolve
@@ -28,8 +38,22 @@ from kshell.solvers.repeated import Factor
 class Threads:
     """What a team needs of a communicator, among threads."""
 
-    def __init__(self, rank: int, slots: list[Any], barrier: threading.Barrier) -> None:
+    def __init__(self, rank: int, slots: list[Any], barrier: threading.Barrier, mail: dict[Any, Any]) -> None:
         self.rank, self.size, self.slots, self.barrier = rank, len(slots), slots, barrier
+        self.mail = mail
+
+    def _box(self, source: int, dest: int, tag: int) -> SimpleQueue[Any]:
+        box: SimpleQueue[Any] = self.mail.setdefault((source, dest, tag), SimpleQueue())
+        return box
+
+    def send(self, value: Any, dest: int, tag: int) -> None:
+        self._box(self.rank, dest, tag).put(pickle.dumps(value))
+
+    def iprobe(self, source: int, tag: int) -> bool:
+        return not self._box(source, self.rank, tag).empty()
+
+    def recv(self, source: int, tag: int) -> Any:
+        return pickle.loads(self._box(source, self.rank, tag).get(timeout=20.0))
 
     def allgather(self, value: Any) -> list[Any]:
         self.slots[self.rank] = value
@@ -38,23 +62,24 @@ class Threads:
         self.barrier.wait()
         return found
 
+    def alltoall(self, values: list[Any]) -> list[Any]:
+        return [row[self.rank] for row in self.allgather(values)]
+
     def bcast(self, value: Any) -> Any:
         return self.allgather(value)[0]
 
     def Allreduce(self, mine: np.ndarray, out: np.ndarray) -> None:
         out[...] = np.sum(self.allgather(mine), axis=0)
 
-    def Allgatherv(self, mine: np.ndarray, out: tuple[np.ndarray, list[int]]) -> None:
-        out[0][...] = np.concatenate([part.ravel() for part in self.allgather(mine)])
-
 
 def played(size: int, work: Callable[[Team], Any]) -> list[Any]:
     """What each of several threads gives, or its error."""
     slots, barrier, found = [None] * size, threading.Barrier(size, timeout=20.0), [None] * size
+    mail: dict[Any, Any] = {}
 
     def one(rank: int) -> None:
         try:
-            found[rank] = work(Team(Threads(rank, slots, barrier)))
+            found[rank] = work(Team(Threads(rank, slots, barrier, mail)))
         except BaseException as error:
             found[rank] = error
 
@@ -66,30 +91,108 @@ def played(size: int, work: Callable[[Team], Any]) -> list[Any]:
     return found
 
 
+def led(size: int, work: Callable[[Team], Any]) -> Any:
+    """What the first of several threads gives while the others do what it calls for."""
+
+    def one(team: Team) -> Any:
+        if team.rank:
+            return team.calls.follow()
+        team.calls.lead()
+        try:
+            return work(team)
+        finally:
+            team.calls.end(lambda rank: rank)
+
+    first, *others = played(size, one)
+    assert others == [("end", rank) for rank in range(1, size)]
+    return first
+
+
 def roof(order: int = 2) -> ks.Mesh:
     return ks.geometry.Cylinder(1.0).mesh(4, 5, order, ("a", "b", "c", "d"), (0.5, 1.4), (0.0, 1.0))
 
 
-def test_sums_and_joined_rows_are_the_same_on_all() -> None:
-    members = [np.array([1, 4]), np.array([0]), np.array([2, 3])]
+class Rows(Shared):
+    """Rows that every process gives back as it gets them."""
+
+    def __init__(self, team: Team, of_all: list[np.ndarray], count: int) -> None:
+        super().__init__(team)
+        self.share = Share(team, of_all, count)
+
+    @on_all
+    def there_and_back(self, whole: np.ndarray, times: float) -> np.ndarray:
+        mine = self.share.spread(whole)
+        assert mine.shape == (len(self.share.mine), 2)
+        return self.share.collect(lambda: times * mine)
+
+
+@pytest.mark.parametrize("run", [played, lambda size, work: [led(size, work)]])
+def test_rows_are_spread_and_added_up(run: Callable[..., list[Any]]) -> None:
+    rows = [np.array([1, 4]), np.array([0, 1]), np.array([2, 3, 4])]
     whole = np.arange(10.0).reshape(5, 2)
 
-    def work(team: Team) -> tuple[Any, ...]:
-        joined = team.join(members, (2,), lambda: whole[members[team.rank]])
-        return (
-            joined,
-            team.number(lambda: team.rank + 0.5),
-            team.sum((2,), lambda: np.array([1.0, team.rank])),
-        )
+    def work(team: Team) -> Any:
+        made = team.calls.run(Rows, team, rows, 5)
+        return made.there_and_back(whole, 2.0), made.there_and_back(whole, np.float64(1.0))
 
-    for joined, number, array in played(3, work):
-        np.testing.assert_array_equal(joined, whole)
-        assert number == 4.5
-        assert array.tolist() == [3.0, 3.0]
+    often = np.array([1, 2, 1, 1, 2.0])[:, None]
+    for twice, once in run(3, work):
+        np.testing.assert_array_equal(twice, 2.0 * often * whole)
+        np.testing.assert_array_equal(once, often * whole)
+
+
+def test_what_the_first_drops_the_others_drop() -> None:
+    def work(team: Team) -> list[int]:
+        counts = []
+        for _ in range(3):
+            made = team.calls.run(Rows, team, [np.array([0])] * 2, 1)
+            counts.append(int(team.calls.run(kept_by_others, team)))
+        del made
+        return [*counts, int(team.calls.run(kept_by_others, team))]
+
+    first, *_, last = led(2, work)
+    assert first == 2  # the object and the share in it
+    assert last == 0
+
+
+def kept_by_others(team: Team) -> float:
+    return team.number(lambda: float(len(team.calls._objects)) if team.rank else 0.0)
+
+
+def test_who_is_let_go_runs_alongside() -> None:
+    def work(team: Team) -> Any:
+        if team.rank:
+            kind, content = team.calls.follow()
+            assert kind == "alongside"
+        else:
+            team.calls.lead()
+            team.calls.whole = content = "the mesh"
+            team.calls.alongside()
+        return content, team.number(lambda: 1.0)
+
+    assert played(3, work) == [("the mesh", 3.0)] * 3
+
+
+def test_others_go_on_after_an_error_that_all_have() -> None:
+    def work(team: Team) -> int:
+        made = team.calls.run(Rows, team, [np.array([0, 1])] * 2, 2)
+        with pytest.raises(ks.SolveError, match="on purpose"):
+            team.calls.run(failing_on_the_second, team)
+        return len(made.there_and_back(np.zeros((2, 2)), 1.0))
+
+    assert led(2, work) == 2
+
+
+def failing_on_the_second(team: Team) -> None:
+    def own() -> None:
+        if team.rank == 1:
+            raise ks.SolveError("on purpose")
+
+    team.together(own)
 
 
 @pytest.mark.parametrize("failing", [0, 2])
-@pytest.mark.parametrize("how", ["sum", "join", "together", "number"])
+@pytest.mark.parametrize("how", ["sum", "deal", "collect", "together", "number"])
 def test_the_error_of_one_is_raised_by_all(failing: int, how: str) -> None:
     def work(team: Team) -> Any:
         def own() -> np.ndarray:
@@ -99,8 +202,10 @@ def test_the_error_of_one_is_raised_by_all(failing: int, how: str) -> None:
 
         if how == "sum":
             return team.sum((1,), own)
-        if how == "join":
-            return team.join([np.array([k]) for k in range(3)], (), own)
+        if how == "deal":
+            return team.deal(lambda rank: own()) if failing == 0 else team.together(own)
+        if how == "collect":
+            return Share(team, [np.array([0])] * 3, 1).collect(own)
         return team.together(own) if how == "together" else team.number(lambda: own()[0])
 
     for error in played(3, work):
@@ -151,8 +256,8 @@ def test_more_parts_than_triangles_are_refused() -> None:
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("size", [2, 3])
-def test_the_energy_of_the_parts_is_that_of_the_whole(order: int, size: int) -> None:
+@pytest.mark.parametrize("run", [lambda work: played(2, work), lambda work: [led(3, work)]])
+def test_the_energy_of_the_parts_is_that_of_the_whole(order: int, run: Callable[..., list[Any]]) -> None:
     mesh = roof(1 if order == 1 else 2)
     rng = np.random.default_rng(0)
     thickness = rng.uniform(0.01, 0.02, len(mesh.triangles))
@@ -195,7 +300,7 @@ def test_the_energy_of_the_parts_is_that_of_the_whole(order: int, size: int) -> 
         whole.strain(x),
         whole.extrapolated_stress(finite.linear, x),
     )
-    for found in played(size, work):
+    for found in run(work):
         for one, other in zip(found, expected, strict=True):
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-12 * np.abs(other).max())
 
@@ -208,28 +313,76 @@ def test_entries_of_the_parts_add_up_in_the_new_numbers(half: bool) -> None:
     whole = KoiterDiscretisation(*given).energy(section)
     basis = np.eye(whole.unknowns)[:, 5:]
     basis[0, 3] = 0.5  # an unknown that follows another
-    import scipy.sparse as sp
-
     basis = sp.csc_matrix(basis)
     springs = sp.diags(np.linspace(0.0, 1.0, whole.unknowns), format="csr")
 
     reduction = Reduction(basis, np.zeros(whole.unknowns), np.zeros(0, dtype=np.int64))
 
+    class Check(Shared):
+        """The rows of each process, put together by the first."""
+
+        def __init__(self, team: Team, reduction: Reduction, share: Share) -> None:
+            super().__init__(team)
+            basis = Basis(team, reduction, share)
+            self.numbering = Numbering(team, basis.free.owner)
+            self.assembled = Assembled(basis, self.numbering, half)
+
     def work(team: Team) -> tuple[Any, ...]:
         energy = PartedDiscretisation(team, *given).energy(section)
         matrix = energy.linear_stiffness().plus(springs, 2.0)
         assert isinstance(matrix, Scattered)
-        numbering = Numbering(team, basis, energy.owner)
-        parts = Reduced(numbering, reduction, half)._rows_by_process(matrix.local)
-        return numbering, [part[rank] for part in team.communicator.allgather(parts) for rank in [team.rank]]
+        check = Check(team, reduction, matrix.share)
+        rows = check.assembled.own_rows(matrix.terms, reduction.reduce(matrix.known))
+        return check.numbering, rows
 
     found = played(3, work)
     order = found[0][0].order
-    rows = [sum(part.toarray() for part in parts if part is not None) for _, parts in found]
     expected = (basis.T @ (whole.linear_stiffness() + 2.0 * springs) @ basis).toarray()[np.ix_(order, order)]
     expected = np.triu(expected) if half else expected
-    np.testing.assert_allclose(np.concatenate(rows), expected, atol=1e-13 * np.abs(expected).max())
-    assert sorted(np.concatenate([numbering.own for numbering, _ in found])) == list(range(len(order)))
+    rows = np.concatenate([part.toarray() for _, part in found])
+    np.testing.assert_allclose(rows, expected, atol=1e-13 * np.abs(expected).max())
+    assert sorted(np.concatenate([numbering.own.mine for numbering, _ in found])) == list(range(len(order)))
+    assert all(part.has_sorted_indices for _, part in found)
+
+
+def arrays_in(thing: Any, seen: set[int]) -> list[np.ndarray]:
+    """All arrays that an object holds, but for those of its team."""
+    if id(thing) in seen or isinstance(thing, Team | type | str):
+        return []
+    seen.add(id(thing))
+    if isinstance(thing, np.ndarray):
+        return [thing]
+    if isinstance(thing, list | tuple | dict):
+        inside = list(thing.values()) if isinstance(thing, dict) else list(thing)
+    else:
+        inside = list(getattr(thing, "__dict__", {}).values())
+    return [array for part in inside for array in arrays_in(part, seen)]
+
+
+def held(team: Team) -> float:
+    """Bytes of the arrays in what each process shares, of the one after the first that has most; of one its own."""
+    of = team.calls._objects.values()
+    seen: set[int] = set()
+    arrays = arrays_in([thing() if isinstance(thing, weakref.ref) else thing for thing in of], seen)
+    mine = float(sum({id(array): array.nbytes for array in arrays}.values()))
+    return team.largest(mine if team.rank or team.size == 1 else 0.0)
+
+
+def test_no_process_but_the_first_has_more_than_its_part() -> None:
+    mesh = ks.geometry.Cylinder(1.0).mesh(10, 10, 2, ("a", "b", "c", "d"), (0.5, 1.4), (0.0, 1.0))
+    section = Section.isotropic(1.0, 0.3, np.linspace(0.01, 0.02, len(mesh.triangles)))
+
+    def work(team: Team) -> Any:
+        energy = PartedDiscretisation(team, mesh, 2, None, np.zeros(0, dtype=np.int64)).energy(section)
+        x = np.zeros(energy.unknowns)
+        reduction = Reduction(sp.identity(len(x), format="csc")[:, 30:], x, np.zeros(0, dtype=np.int64))
+        stiffness = energy.linear_stiffness()
+        kept = stiffness, reduced(stiffness, reduction), energy.energy(x, 2, energy.rest)
+        energy.linear_forces(energy.stress(energy.linear_strain(x)))
+        return team.calls.run(held, team), kept
+
+    whole, part = led(1, work)[0], led(4, work)[0]
+    assert part <= 0.4 * whole  # a quarter, and the unknowns on borders
 
 
 def test_a_part_keeps_what_its_section_says_of_its_triangles() -> None:
@@ -242,8 +395,35 @@ def test_a_part_keeps_what_its_section_says_of_its_triangles() -> None:
     part = section_of(section, mine)
     np.testing.assert_array_equal(part.direction, direction[mine])
     np.testing.assert_array_equal(part.bending, section.bending[mine])
-    surface = KoiterDiscretisation(mesh, 2, None, np.zeros(0, dtype=np.int64)).surface
-    np.testing.assert_allclose(part_of(surface, mine).area_elements, surface.area_elements[mine], rtol=1e-14)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_a_part_of_a_surface_is_as_in_the_whole(order: int) -> None:
+    hinges = np.array([7, 12])
+    whole = KoiterDiscretisation(roof(1 if order == 1 else 2), order, None, hinges).surface
+    mine = np.array([3, 5, 16, 17, 18])
+    places = Places.of(whole, mine)
+    part = PartSurface(SurfaceData.of(whole, places))
+    np.testing.assert_array_equal(places.unknowns[part.triangle_unknowns], whole.triangle_unknowns[mine])
+    np.testing.assert_array_equal(places.rotations[part.triangle_rotations], whole.triangle_rotations[mine])
+    np.testing.assert_allclose(part.area_elements, whole.area_elements[mine], rtol=1e-13)
+    np.testing.assert_allclose(part.edge_tangents, whole.edge_tangents[:, mine], rtol=0, atol=1e-13)
+    assert part.unknowns == len(places.unknowns)
+
+
+def test_a_section_that_varies_inside_triangles_is_dealt_at_their_points() -> None:
+    def varying(triangles: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, ...]:
+        thick = (0.01 + 0.001 * triangles[:, None] + 0.01 * points[..., 2])[..., None, None]
+        return thick * np.eye(3), 0.0 * thick * np.eye(3), thick**3 / 12 * np.eye(3)
+
+    mesh = roof()
+    section = replace(Section.isotropic(1.0, 0.3, np.full(len(mesh.triangles), 0.01)), varying=varying)
+    given = (mesh, 2, None, np.zeros(0, dtype=np.int64))
+    whole = KoiterDiscretisation(*given).energy(section)
+    x = np.random.default_rng(0).standard_normal(whole.unknowns)
+    found = led(3, lambda team: PartedDiscretisation(team, *given).energy(section).linear_stiffness() @ x)
+    expected = whole.linear_stiffness() @ x
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
 def test_what_remembers_its_past_is_refused() -> None:
@@ -261,13 +441,13 @@ def test_what_remembers_its_past_is_refused() -> None:
 
 
 class Gathered:
-    """What `PetscFactoriser` does, by scipy: every process puts the whole matrix together."""
+    """What `PetscFactoriser` does, by scipy: the first process puts the whole matrix together."""
 
-    def __init__(self, team: Team, reduction: Reduction, owner: np.ndarray, symmetric: bool = True) -> None:
+    def __init__(self, team: Team, reduction: Reduction, share: Share, symmetric: bool = True) -> None:
         self.team, self.reduction = team, reduction
 
     def factorise(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
-        whole = self.reduction.reduce(sum(self.team.communicator.allgather(matrix.local)).tocsr())
+        whole = self.reduction.reduce(matrix.whole())
         lu = splu(whole.tocsc())
         return Factor(lu.solve, lambda: int(np.sum(np.linalg.eigvalsh(whole.toarray()) < 0)), False)
 
@@ -292,17 +472,30 @@ def test_a_whole_analysis_finds_what_one_process_does(analysis: str, monkeypatch
     one = scene()
     options = one.solve.updated(analysis=analysis, count=3 if analysis == "modes" else None)
     alone = ks.solve(one, analysis=analysis, **({"count": 3} if analysis == "modes" else {}))
+    choice = choose_model(resolve(one, one.read_mesh()), options)
+    read: list[int] = []
 
     def work(team: Team) -> ks.Result:
-        structure = as_analysed(resolve(one, one.read_mesh()), choice, options)
-        run = Run(one, structure, options, Clock(None))
-        analyse = import_module(f"kshell.analysis.{analysis}").analyse
-        result: ks.Result = analyse(model_of_team(team, structure, choice), run)
-        return result
+        def mesh() -> ks.Mesh:
+            read.append(team.rank)
+            return one.read_mesh()
 
-    choice = choose_model(resolve(one, one.read_mesh()), options)
-    for found in played(2, work):
+        def analysed(mesh: Callable[[], ks.Mesh]) -> ks.Result:
+            structure = as_analysed(resolve(one, mesh()), choice, options)
+            run = Run(one, structure, options, Clock(None))
+            analyse = import_module(f"kshell.analysis.{analysis}").analyse
+            result: ks.Result = analyse(model_of_team(team, structure, choice), run)
+            return result
+
+        return answered(team, mesh, analysed)
+
+    first, other = played(2, work)
+    assert read == [0]
+    assert isinstance(other, Told), other
+    assert not len(other.mesh.points)
+    for found in (first, other):
         assert isinstance(found, ks.Result), found
+        assert found.solver["processes"] == 2
         if analysis == "static":
             np.testing.assert_allclose(found.probes["p"]["u"], alone.probes["p"]["u"], rtol=1e-8, atol=1e-18)
             assert found.model["large_deflection"] == alone.model["large_deflection"]
@@ -311,3 +504,18 @@ def test_a_whole_analysis_finds_what_one_process_does(analysis: str, monkeypatch
             values = [entry["value"] for entry in alone.eigen]
             assert [entry["value"] for entry in found.eigen] == pytest.approx(values, rel=1e-8)
             assert [entry["kind"] for entry in found.eigen] == [entry["kind"] for entry in alone.eigen]
+
+
+def test_an_error_of_the_first_reaches_the_others_with_its_last_state() -> None:
+    alone = ks.solve(scene(), large_deflection=False)
+
+    def fails(mesh: Callable[[], ks.Mesh]) -> ks.Result:
+        raise ks.SolveError("no equilibrium", state=alone)
+
+    first, other = played(2, lambda team: answered(team, roof, fails))
+    for error in (first, other):
+        assert isinstance(error, ks.SolveError)
+        assert str(error) == "no equilibrium"
+    assert first.state is alone
+    assert isinstance(other.state, Told)
+    assert other.state.probes["p"]["u"].tolist() == alone.probes["p"]["u"].tolist()

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from kshell.result.pieces import piece_name, pieces_index, read_pieces, write_piece
-from kshell.result.vtu import unstructured
+from kshell.result.pieces import piece_name, piece_of, pieces_index, read_pieces
+from kshell.result.vtu import head, unstructured
+from kshell.result.vtu_file import write_triangles
 
 
 @pytest.fixture(scope="module", params=[1, 2])
@@ -26,11 +27,12 @@ def result(request: pytest.FixtureRequest) -> ks.Result:
 
 
 def in_pieces(result: ks.Result, folder: Path, count: int) -> Path:
+    whole = unstructured(result)
     part = np.arange(len(result.mesh.triangles)) * 7 % count
     names = [piece_name(k) for k in range(count)]
     for k, name in enumerate(names):
-        write_piece(folder / name, result, part == k)
-    (folder / "result.pvtu").write_text(pieces_index(result, names), encoding="utf-8")
+        write_triangles(folder / name, piece_of(whole, part == k), head(result))
+    (folder / "result.pvtu").write_text(pieces_index(whole, names), encoding="utf-8")
     return folder / "result.pvtu"
 
 

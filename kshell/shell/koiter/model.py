@@ -40,8 +40,6 @@ class KoiterModel(ShellModel):
         If a support, load, material or thickness does not fit, or the shell is not held.
     """
 
-    nodal = True
-
     def __init__(
         self,
         structure: Structure,

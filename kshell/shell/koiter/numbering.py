@@ -68,7 +68,7 @@ class NumberedMesh:
         self.node_count = start + triangles * inner
 
     def _number_rotations(self, hinges: NDArray[np.int64]) -> None:
-        mesh, p = self.mesh, self.order
+        mesh = self.mesh
         number = mesh.triangle_edges.astype(np.int64).copy()
         owner = [np.arange(len(mesh.edges))]
         hinged = np.isin(number, hinges)
@@ -78,20 +78,22 @@ class NumberedMesh:
         extra = np.flatnonzero((hinged & ~keeps).ravel())
         owner.append(number.ravel()[extra])
         number.ravel()[extra] = len(mesh.edges) + np.arange(len(extra))
-        self.rotation_edge: Ints = number.astype(np.int32)
         self.rotation_owner: Ints = np.concatenate(owner).astype(np.int32)
+        self._number_unknowns(number.astype(np.int32))
 
+    def _number_unknowns(self, rotation_edge: Ints) -> None:
+        """All unknowns of triangles, from their nodes and the numbers of the rotations of their edges."""
+        p, triangles = self.order, len(self.triangle_nodes)
+        self.rotation_edge = rotation_edge
         gauss = np.where(self.edge_sign[..., None] > 0, np.arange(p), np.arange(p)[::-1])
         # (triangle, 3 p): place of the edge point among all rotations, edges walked by the triangle
         self.triangle_rotations: Ints = (
-            (p * self.rotation_edge[..., None] + gauss).reshape(len(mesh.triangles), 3 * p).astype(np.int32)
+            (p * self.rotation_edge[..., None] + gauss).reshape(triangles, 3 * p).astype(np.int32)
         )
         self.rotation_start = 3 * self.node_count
         self.unknowns = self.rotation_start + p * len(self.rotation_owner)
         # component by component: all x of the nodes of the triangle, then y, then z
-        translations = (3 * self.triangle_nodes[:, None, :] + np.arange(3)[:, None]).reshape(
-            len(mesh.triangles), -1
-        )
+        translations = (3 * self.triangle_nodes[:, None, :] + np.arange(3)[:, None]).reshape(triangles, -1)
         self.triangle_unknowns: Ints = np.concatenate(
             [translations, self.rotation_start + self.triangle_rotations], axis=1
         ).astype(np.int32)

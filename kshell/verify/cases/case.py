@@ -154,8 +154,6 @@ class Case:
         Per run.
     quick : tuple of str, optional
         Methods that the quick suite runs: none of a case that takes long, all where nothing is said.
-    estimated : bool
-        Whether errors are estimated, for quantities that are estimates.
     """
 
     id: str
@@ -169,7 +167,6 @@ class Case:
     allowed: Mapping[str, Mapping[str, float]]
     most_unknowns: Mapping[str, int]
     quick: tuple[str, ...] | None = None
-    estimated: bool = False
 
     @property
     def family(self) -> str:
@@ -187,8 +184,7 @@ class Case:
 
     def solve(self, run: Run) -> ks.Result:
         """The result on one mesh with one element."""
-        options = {**run.options, "error": "auto"} if self.estimated else run.options
-        return ks.solve(self.build(run.refinement, run.order), **options)
+        return ks.solve(self.build(run.refinement, run.order), **run.options)
 
     def compare(self, run: Run, result: ks.Result) -> list[Outcome]:
         """Each quantity the element gives, beside its reference."""
@@ -210,7 +206,6 @@ def case(
     runs: tuple[Run, ...],
     reference: str | None = None,
     quick: tuple[str, ...] | None = None,
-    estimated: bool = False,
 ) -> Case:
     """A case with its references from references.json and its allowed errors from allowed.json.
 
@@ -230,8 +225,7 @@ def case(
     allowed = {run: entry["errors"] for run, entry in recorded.items()}
     most = {run: entry["unknowns"] for run, entry in recorded.items()}
     return Case(
-        id, description, build, quantities, runs, reference or id, entry["source"], references, allowed, most,
-        quick, estimated,
+        id, description, build, quantities, runs, reference or id, entry["source"], references, allowed, most, quick
     )  # fmt: skip
 
 

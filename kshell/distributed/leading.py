@@ -1,0 +1,132 @@
+"""One analysis by a team: the first process runs it, the others do their part, and all leave with a result."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, cast
+
+import numpy as np
+
+from kshell.distributed.calls import END
+from kshell.distributed.saving import save_pieces
+from kshell.distributed.team import Team, sendable
+from kshell.errors import Interrupted, SolveError
+from kshell.mesh.mesh import Mesh
+from kshell.result.result import Result
+from kshell.result.rows import Rows
+from kshell.solvers.memory import peak_bytes
+
+
+@dataclass(kw_only=True, repr=False)
+class Told(Result):
+    """What processes other than the first have of a result: everything but mesh and fields, which are the first's.
+
+    Its `save` writes the piece that the first process gives this one.
+    """
+
+    def save(self, folder: Any, plots: bool = False, report: bool = False, tables: bool = False) -> list[str]:
+        assert self.writer is not None
+        return self.writer(self, folder, {})
+
+
+def answered(team: Team, read: Callable[[], Mesh], work: Callable[[Callable[[], Mesh]], Result]) -> Result:
+    """The result of an analysis that the first process runs.
+
+    Parameters
+    ----------
+    team : Team
+    read : function
+        Gives the mesh; the first process alone asks it.
+    work : function
+        The analysis, of a function that gives the mesh; others run it where it needs them alongside the first.
+
+    Returns
+    -------
+    Result
+        `Told` on other processes, unless they ran alongside.
+
+    Raises
+    ------
+    InputError, SolveError, Interrupted
+        As the analysis, on all processes.
+    """
+    calls = team.calls
+    if team.rank:
+        kind, content = calls.follow()
+        if kind != END:
+            return _finished(team, work(lambda: cast(Mesh, content)))
+        error, result = content
+        if error is not None:
+            _with_writer(team, getattr(error, "state", None))
+            raise error
+        _with_writer(team, result)
+        return cast(Result, result)
+
+    def known() -> Mesh:
+        calls.whole = read()
+        return cast(Mesh, calls.whole)
+
+    calls.lead()
+    try:
+        result = _finished(team, work(known))
+    except BaseException as error:
+        _lasting(team, getattr(error, "state", None))
+        told = _told_error(error)
+        calls.end(lambda rank: (told, None))
+        raise
+    calls.end(lambda rank: (None, told_of(result)))
+    return result
+
+
+def _finished(team: Team, result: Result) -> Result:
+    """A result with what it took, which needs the others no more but to be written."""
+    memory = team.calls.run(largest_memory, team)
+    for one in {id(r): r for r in (result, *result.cases.values())}.values():
+        one.solver |= {"processes": team.size, "peak_memory_mb": memory}
+        if one.solver.get("name") == "direct":
+            one.solver["name"] = "PETSc (MUMPS)"
+    _lasting(team, result)
+    return result
+
+
+def largest_memory(team: Team) -> float:
+    """Megabytes of the process that took most."""
+    return team.largest(peak_bytes() / 1e6)
+
+
+def _lasting(team: Team, result: Any) -> None:
+    """Find what still needs all processes, and let the result be written by them."""
+    if isinstance(result, Result):
+        for one in (result, *result.cases.values()):
+            one.series = [(factor, partial(_known, make())) for factor, make in one.series]
+        _with_writer(team, result)
+
+
+def _with_writer(team: Team, result: Any) -> None:
+    if isinstance(result, Result):
+        result.writer = partial(save_pieces, team)
+
+
+def _known(result: Result) -> Result:
+    return result
+
+
+def told_of(result: Result) -> Told:
+    """What other processes get of a result."""
+    none = Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32))
+    given: dict[str, Any] = {name: getattr(result, name) for name in Told.__dataclass_fields__}
+    nothing: dict[str, Any] = {"fields": {}, "cell_fields": {}, "edge_fields": {}, "series": [], "lines": {}}
+    nothing |= dict.fromkeys(("evaluate", "scene", "last_mesh", "writer"))
+    cases = {name: told_of(case) for name, case in result.cases.items()}
+    given |= {**nothing, "extremes": dict(result.extremes), "cases": cases}
+    return Told(**{**given, "mesh": none, "rows": Rows.of_vertices(none)})
+
+
+def _told_error(error: BaseException) -> BaseException:
+    found = sendable(error)
+    state = getattr(error, "state", None)
+    if isinstance(found, SolveError | Interrupted) and isinstance(state, Result):
+        found.state = told_of(state)
+    return found
