@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import typer
-
 from docs.make.markdown import in_table
 from kshell.cli import commands  # noqa: F401, registers them
-from kshell.cli.app import app
+from kshell.cli.app import every_command
 
 INTRODUCTION = """# Commands
 
@@ -23,7 +21,7 @@ one line that says what is wrong, where, and how to mend it; `--debug` adds the 
 
 def commands_page() -> str:
     """Markdown."""
-    group: Any = typer.main.get_command(app)
+    group: Any = every_command()
     parts = [INTRODUCTION]
     for name, command in group.commands.items():
         parts += _command(name, command)

@@ -20,6 +20,7 @@ from kshell.analysis.modal_result import entry, finished, modal_result
 from kshell.analysis.narrowing import Stage, held_to, narrowed
 from kshell.analysis.prestress import Stressed, stressed
 from kshell.analysis.run import Run
+from kshell.analysis.shear import account_for_shear_of_modes
 from kshell.equilibrium.model import Model
 from kshell.errors import InputError, SolveError
 from kshell.plate.model import PlateModel
@@ -82,6 +83,7 @@ def analyse(model: Model, run: Run) -> Result:
         result = modal_result(stage.model, stage.found.vectors[:, :count], largest_one=True)
         result.eigen = [entry(value, i) for value, i in zip(values.tolist(), known.of, strict=True)]
     with run.clock.stage("bounds"):
+        account_for_shear_of_modes(result, stage.model, stage.found.vectors[:, :count], options)
         behind = None if np.any(values > 0) else smallest_positive(stage.pencil, float(np.abs(values).min()))
         looked = values if behind is None else np.append(values, behind)
         warnings = [*_warnings(values, behind), *_bending_before(stage, looked, grows, result)]

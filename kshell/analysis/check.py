@@ -73,7 +73,7 @@ def check_scene(scene: Scene, mesh: Mesh, cost: bool = False) -> Findings:
     except InputError as error:
         found.problems.append(str(error))
         return found
-    found.model = [*model.reasons, f"{model.unknowns} unknowns, {_regime(scene)}"]
+    found.model = [*model.reasons, f"{model.unknowns} unknowns, {_regime(scene, model.kind)}"]
     still = "there is no load"  # its own affair where loads do not act
     if cost:
         found.cost = cost_lines(model)
@@ -85,14 +85,17 @@ def check_scene(scene: Scene, mesh: Mesh, cost: bool = False) -> Findings:
     return found
 
 
-def _regime(scene: Scene) -> str:
+def _regime(scene: Scene, kind: str) -> str:
     options = scene.solve
     if options.analysis in ("modes", "buckling", "response"):
         return {"modes": "natural frequencies", "buckling": "linear buckling", "response": "harmonic loads"}[
             options.analysis
         ]
-    if options.large_asked or options.analysis == "dynamic" or scene.contact is not None:
+    moving = options.analysis == "dynamic" and options.large_deflection is not False and kind == "shell"
+    if options.large_asked or moving or scene.contact is not None:
         return "large deflections"
+    if options.analysis == "dynamic":
+        return "small deflections"
     return "small deflections" + (
         "" if options.large_deflection is False else ", large ones where they matter"
     )

@@ -1,4 +1,4 @@
-"""Motion in time under finite deformation, by implicit steps."""
+"""Motion in time, by implicit steps."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from kshell.analysis.moving import Moving
 from kshell.analysis.run import Run, described
 from kshell.equilibrium.checkpoint import Store
-from kshell.equilibrium.model import FiniteModel, Model
+from kshell.equilibrium.finite_model import FiniteModel
+from kshell.equilibrium.model import Model
 from kshell.equilibrium.motion import saved
 from kshell.equilibrium.motion.history import Observer, balance
 from kshell.equilibrium.motion.march import Going
+from kshell.equilibrium.moving_model import MovingModel
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.result.result import Result
 
@@ -40,28 +42,41 @@ def analyse(model: Model, run: Run) -> Result:
         raise InputError(
             'time is missing: analysis = "dynamic" needs the end of the motion, such as time = 1.0'
         )
-    if not isinstance(model, FiniteModel):
-        raise InputError(
-            f'a {model.kind} with the element {model.element} does not move in time: model = "shell"'
-        )
     with run.clock.stage("solve"):
-        moving = Moving(model, run)
+        moving = _moving(model, run)
         film = _film(moving, run)
     with run.clock.stage("recover"):
         result = _answer(moving, film)
     solver = {
         "name": "direct",
-        "why": f"every step is factorised; {moving.words}",
+        "why": moving.solver_words,
         "iterations": int(result.history["iterations"].sum()),
         "steps": film.going[-1].steps,
         "rejected": film.going[-1].rejected,
     }
     warmth = moving.at(film.going[-1].motion.time).warmth()
-    described(result, model, run, [moving.words], solver, large=True, warmth=warmth)
+    described(result, model, run, [moving.words], solver, large=moving.large, warmth=warmth)
     if film.failure is not None:
         film.failure.state = result
         raise film.failure
     return result
+
+
+def _moving(model: Model, run: Run) -> Moving[Any]:
+    """The motion of a model, by large deflections where it has them and small ones are not asked for."""
+    if isinstance(model, FiniteModel) and run.options.large_deflection is not False:
+        from kshell.analysis.moving_large import LargeMotion
+
+        return LargeMotion(model, run)
+    if isinstance(model, MovingModel):
+        from kshell.analysis.moving_small import SmallMotion
+
+        return SmallMotion(model, run)
+    raise InputError(
+        f"a {model.kind} with the element {model.element} does not move in time: its moments and inner deflections are "
+        'eliminated triangle by triangle, and it has no mass matrix; take element = "argyris" or "morley", or '
+        'model = "shell"'
+    )
 
 
 @dataclass
@@ -88,7 +103,7 @@ class Film:
         self.places.append(len(self.observer.rows) - 1)
 
 
-def _film(moving: Moving, run: Run) -> Film:
+def _film(moving: Moving[Any], run: Run) -> Film:
     """The motion, step by step."""
     options, steps = run.options, moving.steps
     film = Film(moving.observer())
@@ -129,12 +144,12 @@ def _write(store: Store | None, film: Film) -> None:
     saved.write(store, len(film.places), film.going[-1], film.observer.rows[begin:])
 
 
-def _resumed(store: Store, moving: Moving, film: Film) -> Going | None:
+def _resumed(store: Store, moving: Moving[Any], film: Film) -> Going | None:
     """The last state written, with all before it taken up; None where there is none."""
     rows: list[Floats] = []
     going: Going | None = None
     for content in store.read_content():
-        going, more = saved.read(content, moving.model.equilibrium().energy.rest)
+        going, more = saved.read(content, moving.rest)
         rows += list(more)
         film.going.append(going)
         film.places.append(len(rows) - 1)
@@ -151,16 +166,16 @@ def _words(going: Going, film: Film) -> str:
     )
 
 
-def _fingerprint(moving: Moving, run: Run) -> str:
+def _fingerprint(moving: Moving[Any], run: Run) -> str:
     """Tells motions apart: model, loads in time, and steps."""
     options, scene = run.options, run.scene
     way = (options.time, options.step, options.scheme, options.output, options.ramp)
     given: tuple[Any, ...] = (scene.contact, scene.obstacles, scene.cuts)
     given += (scene.loads, scene.supports, scene.initial_velocity, scene.initial_displacement, scene.damping)
-    return f"{moving.model.fingerprint()} {moving.integrator.mass.sum()!r} {way} {given}"
+    return f"{moving.model.fingerprint()} {moving.integrator.mass.sum()!r} {way} {given} {moving.large}"
 
 
-def _answer(moving: Moving, film: Film) -> Result:
+def _answer(moving: Moving[Any], film: Film) -> Result:
     """The result of the last state, with the history and the states before."""
     table = film.observer.table()
     works = table["external_work"]
@@ -173,11 +188,11 @@ def _answer(moving: Moving, film: Film) -> Result:
     result.history = table
     result.balance = balance(table)
     result.warnings = [words for words in result.warnings if not words.startswith("there is no load")]
-    result.warnings += _doubts(moving, table)
+    result.warnings += moving.doubts([going.motion for going in film.going]) + _doubts(moving, table)
     return result
 
 
-def _doubts(moving: Moving, table: dict[str, Any]) -> list[str]:
+def _doubts(moving: Moving[Any], table: dict[str, Any]) -> list[str]:
     """What the history shows that a user should know."""
     out = []
     gained = table["kinetic_energy"] + table["strain_energy"] + table["dissipated_energy"]

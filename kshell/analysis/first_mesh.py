@@ -17,7 +17,9 @@ from kshell.errors import InputError
 from kshell.mesh.insert import with_vertices
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect, bisect_around
-from kshell.plate.corners import corner_exponents
+from kshell.plate.corner_exponents import corner_exponents
+from kshell.plate.domain import Domain
+from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 
 Floats = NDArray[np.float64]
@@ -28,26 +30,33 @@ SHARE_SHAPE = 0.3  # of the tolerance, that a shape may use up
 MOST_CUTS = 60
 
 
-def plate_start(model: PlateModel, mesh: Mesh, names: Sequence[str], run: Run) -> tuple[Mesh, bool]:
-    """The first mesh of a plate, and whether guaranteed bounds can be had on it."""
+def plate_start(
+    model: PlateModel | HHJModel, mesh: Mesh, names: Sequence[str], run: Run
+) -> tuple[Mesh, bool]:
+    """The first mesh of a plate, and whether guaranteed bounds can be had on it.
+
+    Those are of Argyris elements on straight edges. A mesh with curved edges stays as it is.
+    """
     problem = model.problem
-    if problem.domain.curves.curved.any() or mesh.midpoints is not None:
+    if Domain(problem.mesh, True, problem.domain.bent).curves.curved.any() or mesh.midpoints is not None:
         return mesh, False
-    try:
-        require_pair(problem, order_of_moments(run))
-    except InputError:
-        return mesh, False
+    pair = model.element == "argyris"
+    if pair:
+        try:
+            require_pair(problem, order_of_moments(run))
+        except InputError:
+            return mesh, False
     probes = [model.structure.probes[name] for name in names]
     single = [item.on for item in (*run.scene.supports, *run.scene.loads) if _is_place(item.on)]
     places = np.array([_in_space(p, mesh) for p in (*probes, *single)]).reshape(-1, 3)
     mesh, left = with_vertices(mesh, places)
-    pair = not any(number < len(probes) for number in left)
+    pair = pair and not any(number < len(probes) for number in left)
     tolerance = float(run.options.tolerance)
-    exponents = corner_exponents(problem.mesh, problem.supports)
+    exponents = corner_exponents(problem)
     corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
     for place, exponent in zip(corners, exponents.values(), strict=True):
         mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), halvings(exponent, tolerance))
-    if pair:
+    if model.element != "morley":
         near = max(int(np.log2(1.0 / tolerance) / 2.0) - 3, 0)
         for place in places[: len(probes)]:
             mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), near)

@@ -117,11 +117,17 @@ class Followed:
         return Refined(changed(fine, midpoints=midpoints), refined.parent), followed
 
     def missed(self, domain: Domain) -> Floats:
-        """(edge,) by how much each edge of `Domain.curves` of a finer mesh misses those of the first, in its middle."""
+        """(edge,) by how much each edge of `Domain.curves` of a finer mesh misses those of the first, in its middle.
+
+        Across the edge: where along it a point lies says nothing of its shape.
+        """
         mesh, curves = domain.mesh, domain.curves
         out = np.zeros(len(curves.edges))
-        place = curves.place(mesh.edge_index(self.ends))
+        edges = mesh.edge_index(self.ends).astype(np.int64)
+        place, half = curves.place(edges), np.array([0.5])
         chord = domain.points[self.ends].mean(axis=1)
-        middle = chord + curves.deviation(place, np.array([0.5]))[:, 0]
-        out[place] = np.linalg.norm(middle - self.at(self.edge, self.span.mean(axis=1)), axis=1)
+        off = chord + curves.deviation(place, half)[:, 0] - self.at(self.edge, self.span.mean(axis=1))
+        along = domain.edge_motion(edges, half)[0][:, 0]
+        across = off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]
+        out[place] = np.abs(across) / np.linalg.norm(along, axis=1)
         return out

@@ -36,6 +36,8 @@ class Known:
         Meshes that a tolerance took.
     misfit : (triangle,) array, optional
         Where the width of the intervals comes from.
+    shape : float, optional
+        Share of the first value by which the shape of the mesh widens them.
     """
 
     of: list[Interval]
@@ -44,6 +46,7 @@ class Known:
     why_not: str = ""
     levels: list[dict[str, Any]] = field(default_factory=list)
     misfit: Floats | None = None
+    shape: float | None = None
 
     @property
     def kind(self) -> str:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kshell.equilibrium.finite_model import FiniteModel
 from kshell.equilibrium.linear import LinearSolution
-from kshell.equilibrium.model import FiniteModel
 from kshell.errors import SolveError
 from kshell.scene.options import TOLERANCE
 

@@ -12,22 +12,26 @@ from kshell.analysis.refined_mesh import Refiner
 from kshell.analysis.run import Run
 from kshell.analysis.static import Answered
 from kshell.equilibrium.model import Model, Solved
-from kshell.error.assessment import ENERGY, Assessment
+from kshell.error.assessment import ENERGY, MISSED, Assessment
 from kshell.error.bounds import PlatePair
 from kshell.error.curve_doubt import turns
 from kshell.error.marking import doerfler
+from kshell.error.plate_averages import at_chords
 from kshell.error.plates import geometry_share
 from kshell.error.shells import shape_marks
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect, cuttable
 from kshell.mesh.words import place
+from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
+from kshell.scene.jumps import missed_forces
 from kshell.shell.koiter.model import KoiterModel
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SHARE_BOUNDS, SHARE_ESTIMATES, SHARE_FAR = 0.6, 0.7, 0.8  # of the sum of marks that is cut
+SHARE_JUMPS = 0.3  # of the tolerance, that missed loads may use up
 FAR, SHARE_WORST = 30.0, 0.5  # times the tolerance, from which the worst are cut twice
 
 
@@ -69,11 +73,12 @@ def next_mesh(loop: Refinement, level: Level, tolerance: float) -> Mesh:
             marks += own / own.sum()
     mesh = level.model.structure.parameters
     marks[~cuttable(mesh)] = 0.0
+    jumps = _of_jumps(level, tolerance)
     if loop.pair:
-        return loop.refiner.refined(mesh, doerfler(marks, SHARE_BOUNDS)).mesh
+        return loop.refiner.refined(mesh, np.union1d(doerfler(marks, SHARE_BOUNDS), jumps)).mesh
     far = level.half_width > FAR * tolerance
     chosen = doerfler(marks, SHARE_FAR if far else SHARE_ESTIMATES)
-    chosen = np.union1d(chosen, _of_bad_shape(loop, level, tolerance))
+    chosen = np.union1d(np.union1d(chosen, _of_bad_shape(loop, level, tolerance)), jumps)
     once = loop.refiner.refined(mesh, chosen)
     if not far or loop.run.scene.chart is None:
         return once.mesh
@@ -81,11 +86,40 @@ def next_mesh(loop: Refinement, level: Level, tolerance: float) -> Mesh:
     return bisect(once.mesh, np.flatnonzero(np.isin(once.parent, worst))).mesh
 
 
+def _of_jumps(level: Level, tolerance: float) -> Ints:
+    """Triangles in which loads change faster than they are integrated, where that matters."""
+    mesh, out = level.model.structure.space, np.zeros(0, dtype=np.int64)
+    for placed in level.model.structure.loads:
+        if MISSED * placed.missed < SHARE_JUMPS * tolerance:
+            continue
+        members = placed.members(mesh)
+        worst = members[doerfler(missed_forces(placed.item, mesh, members)[1], SHARE_FAR)]
+        owners = worst if placed.item.dimensions == (2,) else mesh.edge_owner[worst, 0]
+        out = np.union1d(out, owners.astype(np.int64))
+    return out[cuttable(level.model.structure.parameters)[out]]
+
+
+def share_of_shape(loop: Refinement, model: Model, found: Assessment) -> float:
+    """Relative error because of the shape of a mesh: what refining adds nothing to, and what it does."""
+    followed = loop.refiner.followed
+    if followed is None:
+        return max(found.geometry or 0.0, loop.frozen)
+    assert isinstance(model, PlateModel | HHJModel)
+    domain = model.problem.domain
+    if not domain.curves.curved.any():  # Morley plates end at chords
+        return loop.frozen + (found.geometry or 0.0)
+    return loop.frozen + geometry_share(domain, followed.missed(domain))
+
+
 def _of_bad_shape(loop: Refinement, level: Level, tolerance: float) -> Ints:
     """Triangles that miss the shape they could have, where that matters."""
     followed, model, state = loop.refiner.followed, level.model, level.answered and level.answered.state
-    if followed is not None and isinstance(model, PlateModel):
+    if followed is not None and isinstance(model, PlateModel | HHJModel):
         domain = model.problem.domain
+        if not domain.curves.curved.any():
+            if (level.assessment.geometry or 0.0) - loop.frozen < SHARE_SHAPE * tolerance:
+                return np.zeros(0, dtype=np.int64)
+            return at_chords(model.problem, SHARE_ESTIMATES)
         missed = followed.missed(domain)
         if geometry_share(domain, missed) >= SHARE_SHAPE * tolerance:
             worst = domain.curves.edges[doerfler(missed * turns(domain.curves), SHARE_ESTIMATES)]

@@ -62,6 +62,7 @@ def finished(
         )
     if known.why_not:
         result.error["why_not"] = known.why_not
+    result.error["budget"]["geometry"] = known.shape
     result.error |= {"kind": known.kind, "estimate": known.width, "levels": known.levels}
     solver = {"name": found.solver, "why": why, "iterations": found.solves}
     return described(result, stage.model, stage.run, [*reasons, *known.reasons], solver, large=False)

@@ -24,7 +24,6 @@ from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic, Hinge, RigidLink, Support
 from kshell.scene.thermal import couples
-from kshell.shell.chart.lines import has_curved_edges, large_across_lines
 from kshell.shell.limits import THINNEST, USE_KOITER
 from kshell.solvers.memory import SHARE, available_bytes
 from kshell.values.varying import is_constant
@@ -126,7 +125,8 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return options.model, f"kind {options.model}: as asked for"
     if chart is not None:
         return "shell", f"kind shell: the mesh lies in the parameter plane of {shown(chart)}"
-    flat = is_flat(mesh.points if mesh.midpoints is None else np.concatenate([mesh.points, mesh.midpoints]))
+    middles = mesh.midpoints
+    flat = mesh.is_flat if middles is None else is_flat(np.concatenate([mesh.points, middles]))
     if options.element == "hhj":
         return "plate", "kind plate: element hhj was asked for"
     if options.element == "koiter" or options.order != "auto":
@@ -139,7 +139,7 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
         return "shell", "kind shell: the mesh does not lie in a plane z = const"
     if (
         options.large_asked
-        or options.analysis == "dynamic"
+        or (options.analysis == "dynamic" and options.large_deflection is not False)
         or structure.touching
         or yields(structure, options)
     ):
@@ -183,6 +183,8 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
 
 
 def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelChoice:
+    from kshell.shell.chart.lines import large_across_lines
+
     if options.element == "argyris":
         across = large_across_lines(structure) if _finite(options) else ""
         if across:
@@ -202,11 +204,15 @@ def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelCho
 
 def _finite(options: SolveOptions) -> bool:
     """Whether the analysis goes beyond the linear solution."""
-    return options.large_asked or options.prestress or options.analysis in ("buckling", "dynamic")
+    if options.analysis == "dynamic":
+        return options.large_deflection is not False
+    return options.large_asked or options.prestress or options.analysis == "buckling"
 
 
 def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
+    from kshell.shell.chart.lines import has_curved_edges, large_across_lines
+
     if structure.section.inelastic() and options.analysis in ("static", "path", "dynamic"):
         return "the material remembers its past"
     if structure.imperfection is not None:

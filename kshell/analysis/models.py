@@ -10,7 +10,6 @@ from kshell.analysis.sense import BENDING
 from kshell.distributed.refuse import refuse_model
 from kshell.distributed.team import Team, team_of
 from kshell.equilibrium.model import Model
-from kshell.mesh.check import is_flat
 from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
 from kshell.scene.structure import Structure, resolve
@@ -69,7 +68,7 @@ def as_analysed(structure: Structure, choice: ModelChoice, options: SolveOptions
 def flat_under_load(structure: Structure, options: SolveOptions) -> bool:
     """Whether a flat shell is to be stressed in its plane before it buckles or vibrates."""
     loaded = options.analysis == "buckling" or (options.analysis in BENDING and options.prestress)
-    return loaded and structure.chart is None and is_flat(structure.space.points)
+    return loaded and structure.chart is None and structure.space.is_flat
 
 
 def bending_only(structure: Structure) -> Structure:

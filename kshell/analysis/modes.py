@@ -19,6 +19,7 @@ from kshell.analysis.modal_result import entry, finished, modal_result
 from kshell.analysis.narrowing import Stage, held_to, narrowed
 from kshell.analysis.prestress import Prestress, prestressed
 from kshell.analysis.run import Run
+from kshell.analysis.shear import account_for_shear_of_modes
 from kshell.equilibrium.model import Model
 from kshell.equilibrium.rigid_modes import RigidModes
 from kshell.errors import InputError
@@ -74,6 +75,8 @@ def analyse(model: Model, run: Run) -> Result:
             "total_mass": share.total.tolist(),
             "effective_mass": share.effective_mass.sum(axis=0).tolist(),
         }
+    with run.clock.stage("bounds"):
+        account_for_shear_of_modes(result, model, found.vectors[:, :count], run.options)
     reasons, warnings = ([], []) if state is None else (state.reasons, state.warnings)
     warnings = [*warnings, *_warnings(run, values)]
     return finished(result, stage, known, reasons, warnings, "shift and invert, by Lanczos' method")

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.interval import Known, apart
-from kshell.analysis.refined_mesh import Refiner
+from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
+from kshell.analysis.shape_share import Shape
 from kshell.equilibrium.model import Model
 from kshell.errors import InputError, SolveError
 from kshell.mesh.mesh import Mesh
@@ -87,7 +88,8 @@ def narrowed(
     """
     options = first.run.options
     if options.tolerance is None:
-        known = bound(first)
+        shape = Shape.of(first.model, first.found.vectors, shape_is_known(first.run.scene))
+        known = shape.widened(bound(first), first.model, first.found.vectors)
         if known.of and known.width is None and not known.reasons and options.error != "off":
             known.reasons.append(
                 "intervals: none from one mesh alone; with a tolerance finer ones estimate them"
@@ -99,6 +101,8 @@ def narrowed(
     clock = time.process_time()
     stages = [_again(first, turned, again)]  # triangles are cut at their first edge
     refiner = Refiner(turned.scene, stages[0].model)
+    start = stages[0]
+    shape = Shape.of(start.model, start.found.vectors, shape_is_known(first.run.scene), refiner.followed)
     widths: list[float] = []
     why = ""
     while True:
@@ -106,6 +110,8 @@ def narrowed(
         known = bound(stage)
         if known.misfit is None:
             _estimate(known, stages)
+        narrow = known.only(count).width
+        known = shape.widened(known, stage.model, stage.found.vectors, refiner.followed)
         width = known.only(count).width
         widths.append(np.inf if width is None else width)
         unknowns = stage.model.unknowns
@@ -116,6 +122,7 @@ def narrowed(
         if widths[-1] <= tolerance:
             break
         why = _why_stop(first.run, widths, time.perf_counter() - begin)
+        why = why or shape.limits(tolerance, narrow)
         mesh = None if why else _next_mesh(stage, known, refiner, widths[-1] / tolerance)
         if mesh is not None and _too_many(stage, mesh):
             why = "the mesh is not refined further"

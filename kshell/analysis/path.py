@@ -11,10 +11,11 @@ import numpy as np
 from kshell.analysis.run import Run, described
 from kshell.equilibrium.checkpoint import Checkpoints
 from kshell.equilibrium.controlled import ControlledSteps
+from kshell.equilibrium.finite_model import FiniteModel
 from kshell.equilibrium.limit_points import Limits
 from kshell.equilibrium.load_steps import LoadSteps, stuck
 from kshell.equilibrium.march import March
-from kshell.equilibrium.model import FiniteModel, Model
+from kshell.equilibrium.model import Model
 from kshell.equilibrium.path import Critical
 from kshell.equilibrium.problem import Problem, State
 from kshell.equilibrium.work import external_work

@@ -14,7 +14,8 @@ import scipy.sparse as sp
 from kshell.analysis.membrane import MembraneState, UniformState, membrane_state
 from kshell.analysis.path import grow_load
 from kshell.analysis.run import Run
-from kshell.equilibrium.model import FiniteModel, Model, Solved
+from kshell.equilibrium.finite_model import FiniteModel
+from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError
 from kshell.plate.assembly import assemble
 from kshell.plate.inertia import Membrane

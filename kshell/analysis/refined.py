@@ -8,25 +8,27 @@ and is graded toward corners whose exponents are known. Then: solve, estimate, s
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.first_mesh import order_of_moments, plate_start, shell_start
-from kshell.analysis.levels import Level, Refinement, blocked, next_mesh
+from kshell.analysis.levels import SHARE_JUMPS, Level, Refinement, blocked, next_mesh, share_of_shape
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
-from kshell.analysis.static import Answered, answer_once
+from kshell.analysis.static import Answered, answer_once, largest_displacement
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
-from kshell.error.assessment import ENERGY, PROBES
+from kshell.error.assessment import ENERGY, MISSED, PROBES
 from kshell.error.bounds import PlatePair
 from kshell.error.plates import assess_pair, geometry_share
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
 from kshell.mesh.words import count
+from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 from kshell.result.result import Result
 from kshell.shell.koiter.model import KoiterModel
@@ -41,6 +43,7 @@ GROWTH = 2.5  # of unknowns, time and memory from one level to the next, to be e
 MOST_LEVELS = 60
 STALLED = 0.8  # a level that leaves more of the half width than this, with half as many unknowns more, gains nothing
 GAINLESS = 3  # such levels in a row, after which refining ends
+GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
 BYTES = 30e3  # memory of a direct solve for each unknown, about
 
 
@@ -62,27 +65,21 @@ def analyse(model: Model, run: Run) -> Result:
         run = run.with_options(element="koiter")
         model = run.model()
     first: Answered | None = None
-    if not (isinstance(model, PlateModel) and run.options.large_deflection is False):
+    if not (isinstance(model, PlateModel | HHJModel) and run.options.large_deflection is False):
         first = answer_once(model, run)  # which decides between plate and shell, small and large deflections
         model = first.model
-    if (not isinstance(model, KoiterModel) and model.element != "argyris") or (
-        model.element == "argyris" and model.kind == "shell"
-    ):
-        raise InputError(
-            f"tolerance with the element {model.element}: meshes are not refined with it; leave element out, or take "
-            + ('"argyris"' if model.kind == "plate" else '"koiter"')
-        )
+    held: dict[str, Any] = {"model": model.kind, "element": model.element}
+    if model.element == "hhj":  # whose order is that of the number of triangles otherwise
+        held["order"] = model.order
     run = run.with_options(
-        model=model.kind,
-        element=model.element,
-        large_deflection=first is not None and bool(first.result.model["large_deflection"]),
+        **held, large_deflection=first is not None and bool(first.result.model["large_deflection"])
     )
     mesh = longest_first(model.structure.parameters)
     loop = Refinement(run, names, False, begin, Refiner(run.scene, model))
     followed = loop.refiner.followed
-    if isinstance(model, PlateModel):
+    if isinstance(model, PlateModel | HHJModel):
         mesh, loop.pair = plate_start(model, mesh, names, run)
-    else:
+    elif isinstance(model, KoiterModel):
         assert first is not None
         mesh = shell_start(run, mesh, _membrane(model, first))
     if followed is not None:
@@ -165,19 +162,19 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         assert isinstance(model, PlateModel)
         pair = PlatePair(model.problem, order_of_moments(run))
         found = assess_pair(pair, loop.names, _strain_energy(pair))
+        if run.structure.missed:
+            found.with_loads(run.structure.missed, pair.conforming.largest())
         unknowns = model.unknowns
     else:
         answered = answer_once(run.model(), run)
         model, result = answered.model, answered.result
-        found = assess(model, answered.state, result, 3 * len(loop.names), loop.names)
-        followed = loop.refiner.followed
-        if followed is None:
-            found.geometry = max(found.geometry or 0.0, loop.frozen)
-        else:
-            assert isinstance(model, PlateModel)
-            domain = model.problem.domain
-            found.geometry = loop.frozen + geometry_share(domain, followed.missed(domain))
+        found = assess(model, answered.state, result, 3 * len(loop.names), loop.names, marks=True)
+        if found.energy is None:
+            raise InputError(f"tolerance: {found.why_not}")
+        found.geometry = share_of_shape(loop, model, found)
         found.with_share((result.error["budget"]["algebra"] or 0.0) + found.geometry)
+        if run.structure.missed:
+            found.with_loads(run.structure.missed, largest_displacement(result))
         unknowns = result.unknowns
     wanted = loop.names or [ENERGY]
     half = max(found.relative(name) for name in wanted)
@@ -214,7 +211,11 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
     limit = blocked(loop, level)
     if limit:
         return limit
-    if stalled >= GAINLESS:
+    jumps = level.assessment.loads
+    if MISSED * jumps > SHARE_JUMPS * float(options.tolerance):
+        if stalled >= GAINLESS_JUMPS:
+            return f"further levels gain nothing: the loads jump or peak, and {jumps:.1e} of them is missed"
+    elif stalled >= GAINLESS:
         return "further levels gain nothing: rounding sets the limit"
     if len(loop.levels) >= MOST_LEVELS:
         return f"{MOST_LEVELS} levels were not enough"

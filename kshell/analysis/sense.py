@@ -69,13 +69,13 @@ def require_sense(structure: Structure, options: SolveOptions) -> None:
             f"{instead}"
         )
     if options.analysis == "dynamic":
-        _require_motion(options)
+        _require_motion(structure, options)
     if structure.touching:
         _require_contact(options)
     if yields(structure, options):
         _require_yielding(options)
     followers = [p.item for p in structure.loads if getattr(p.item, "follower", False)]
-    if followers and options.large_deflection is False and options.analysis == "static":
+    if followers and options.large_deflection is False and options.analysis in ("static", "dynamic"):
         raise InputError(
             f"{followers[0]}: follower = true turns the pressure with the surface, which matters only under large "
             "deflections; leave it out for small ones"
@@ -96,19 +96,18 @@ def _require_scheme(options: SolveOptions) -> None:
     raise InputError(f'scheme = "{options.scheme}" is for analysis = "{owner}": leave it out{instead}')
 
 
-def _require_motion(options: SolveOptions) -> None:
-    if options.large_deflection is False:
-        raise InputError(
-            "a motion is computed with large deflections, small ones being a case of them: leave "
-            "large_deflection = false out"
-        )
+def _require_motion(structure: Structure, options: SolveOptions) -> None:
     if options.tolerance is not None:
         raise InputError(
             "tolerance: the error of a motion is not known yet: leave it out, and refine mesh and step by hand"
         )
-    if options.model == "plate" or options.element in ("morley", "hhj"):
+    small = options.large_deflection is False
+    if not (small or options.model == "plate" or options.element in ("morley", "argyris", "hhj")):
+        return
+    if structure.section.inelastic().relaxation and (small or structure.chart is None):
         raise InputError(
-            'a motion is that of a shell, flat ones too: leave model and element out, or model = "shell"'
+            "a material that relaxes (relaxation) moves with large deflections: leave model, element and "
+            "large_deflection = false out, or relaxation"
         )
 
 

@@ -8,11 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.equilibrium.model import Model, Solved
+from kshell.error.modal_shear import modal_shares
 from kshell.error.shear import shear_share
 from kshell.result.result import Result
 from kshell.scene.options import SolveOptions
 
 Floats = NDArray[np.float64]
+
+# fall of a frequency or of a factor from which it is told
+TOLD = 0.01
 
 
 def account_for_shear(
@@ -40,3 +44,37 @@ def account_for_shear(
         result.warnings.append(found.words(named))
     if found.thick and options.model == "auto":
         result.model["reasons"].append(f"kind {model.kind}: {found.words(named)}")
+
+
+def account_for_shear_of_modes(result: Result, model: Model, vectors: Floats, options: SolveOptions) -> None:
+    """The same for frequencies, with rotary inertia, or for buckling factors: of the first and of the last of them.
+
+    Parameters
+    ----------
+    vectors : (free, mode)
+        Those of the result, rigid motions not among them.
+    """
+    if options.error == "off" or not vectors.shape[1]:
+        return
+    vibrates = options.analysis == "modes"
+    ends = vectors[:, [0, -1]] if vectors.shape[1] > 1 else vectors
+    found = modal_shares(model, ends, vibrates)
+    if found[0].why_not:
+        result.error["shear_why_not"] = found[0].why_not
+    if found[0].share is None:
+        return
+    first, last = (
+        None if one.share is None else one.share / (1.0 + one.share) for one in (found[0], found[-1])
+    )
+    result.error["budget"]["shear"] = first
+    falls = [0.0 if x is None else 1.0 - (1.0 - x) ** (0.5 if vibrates else 1.0) for x in (first, last)]
+    limit = TOLD if options.tolerance is None else min(TOLD, options.tolerance)
+    if max(falls) <= limit:
+        return
+    left_out = "transverse shear and rotary inertia" if vibrates else "transverse shear"
+    what = "frequency" if vibrates else "factor"
+    behind = f", the last by {falls[1]:.1%}" if len(found) > 1 and falls[1] > 0.0 else ""
+    thick = "too thick for this theory" if falls[0] > TOLD else "short waves"
+    result.warnings.append(
+        f"{thick}: {left_out}, left out, would lower the first {what} by about {falls[0]:.1%}{behind}"
+    )

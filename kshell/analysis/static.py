@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.analysis.large import Indicator, indicate
-from kshell.analysis.path import Trace, answer_trace, described_trace, grow_load
 from kshell.analysis.run import Run, described
 from kshell.analysis.shear import account_for_shear
-from kshell.equilibrium.model import FiniteModel, Model, Solved
-from kshell.equilibrium.problem import State
+from kshell.equilibrium.finite_model import FiniteModel
+from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import DUALS, assess
 from kshell.error.assessment import Assessment
 from kshell.errors import InputError, SolveError
@@ -22,6 +20,11 @@ from kshell.result.result import Result
 from kshell.scene.options import TOLERANCE
 from kshell.scene.structure import Structure
 from kshell.scene.supports import Elastic, RigidLink, SimplySupported
+
+if TYPE_CHECKING:  # small deflections need none of it
+    from kshell.analysis.large import Indicator
+    from kshell.analysis.path import Trace
+    from kshell.equilibrium.problem import State
 
 # deflection over thickness up to which no plate stretches by as much as matters
 SMALL = 0.07
@@ -76,11 +79,18 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
         duals = DUALS if names is None else 3 * len(names)
         found = assess(answered.model, answered.state, result, duals, names)
         found.with_share((result.error["budget"]["algebra"] or 0.0) + (found.geometry or 0.0))
+        if answered.model.structure.missed:
+            found.with_loads(answered.model.structure.missed, largest_displacement(result))
         found.document(result, run.options.quantity)
         if isinstance(answered.state, Solved):
             account_for_shear(result, answered.model, answered.state, run.options, found.duals)
     result.solver["seconds"] = {**run.clock.seconds}
     return found
+
+
+def largest_displacement(result: Result) -> float:
+    """Over all vertices."""
+    return abs(float(result.extremes["deflection"]["value"]))
 
 
 def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answered:
@@ -94,6 +104,8 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
         if not options.large_asked and not model.yields:
             solved = model.solve(options.solver)
             if options.large_deflection == "auto":
+                from kshell.analysis.large import indicate
+
                 indicator = indicate(model, solved.own, TOLERANCE)
         matters = indicator is not None and indicator.matters
         if matters and model.small_only and options.element == "auto":
@@ -101,9 +113,13 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
         linked = next((p.item for p in model.structure.supports if isinstance(p.item, RigidLink)), None)
         limited = f"{linked} has small turns only" if linked is not None else model.small_only
         if solved is None or (matters and not limited):
+            from kshell.analysis.path import grow_load
+
             trace = grow_load(model, run)
     with run.clock.stage("recover"):
         if trace is not None:
+            from kshell.analysis.path import answer_trace
+
             result = answer_trace(model, trace)
             reasons = _why_large(model, result, solved, indicator)
         else:
@@ -125,6 +141,8 @@ def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answere
         trace.failure = SolveError(
             f"{trace.failure}. {indicator.words()}; large_deflection = false answers with the linear solution"
         )
+    from kshell.analysis.path import described_trace
+
     return Answered(described_trace(model, run, result, trace, reasons), model, trace.states[-1])
 
 

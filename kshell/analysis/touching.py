@@ -13,7 +13,8 @@ from kshell.analysis.obstacles import barrier_of
 from kshell.analysis.run import Run, described
 from kshell.equilibrium.contact.barrier import Barrier
 from kshell.equilibrium.contact.rest import Lost, come_to_rest
-from kshell.equilibrium.model import FiniteModel, Model
+from kshell.equilibrium.finite_model import FiniteModel
+from kshell.equilibrium.model import Model
 from kshell.equilibrium.problem import Problem, State
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.result.result import Result

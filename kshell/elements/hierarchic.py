@@ -14,13 +14,16 @@ E_k        bubble k of the edge from a to b:  -lambda_a lambda_b P_k^(1,1)(lambd
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements.jets import affine_jet, jacobi_jets, scaled_legendre_jets, times
+from kshell.elements.jets import affine_jet, jacobi_family, jacobi_jets, scaled_legendre_jets, times
 from kshell.mesh.mesh import EDGE_VERTICES
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 BARYCENTRIC = ((1.0, (-1.0, -1.0)), (0.0, (1.0, 0.0)), (0.0, (0.0, 1.0)))  # constant and gradient of lambda_i
 
@@ -49,7 +52,27 @@ def orthonormal_jets(degree: int, points: Floats) -> Floats:
 
 def orthonormal(degree: int, points: Floats) -> Floats:
     """Values (..., k) of psi at points (..., 2)."""
-    return orthonormal_jets(degree, points)[0]
+    i, total, norm = _members(degree)
+    x0, x1 = points[..., 0].ravel(), points[..., 1].ravel()
+    x, t = 2.0 * x0 + x1 - 1.0, 1.0 - x1
+    along = np.ones((degree + 1, len(x)))  # t^n P_n(x / t)
+    if degree > 0:
+        along[1] = x
+        square = t * t
+    for n in range(1, degree):
+        along[n + 1] = ((2 * n + 1) / (n + 1)) * x * along[n] - (n / (n + 1)) * square * along[n - 1]
+    out = along[i]
+    out *= jacobi_family(degree, 2.0 * x1 - 1.0)[total - i, i]
+    out *= norm[:, None]
+    return np.ascontiguousarray(out.T).reshape(*points.shape[:-1], len(i))
+
+
+@lru_cache(maxsize=32)
+def _members(degree: int) -> tuple[Ints, Ints, Floats]:
+    """Degree along x, total degree and norm of each psi."""
+    pairs = [(i, total) for total in range(degree + 1) for i in range(total, -1, -1)]
+    i, total = np.array(pairs).T
+    return i, total, np.sqrt((2.0 * i + 1.0) * (2.0 * total + 2.0))
 
 
 def hierarchic_jets(degree: int, points: Floats) -> Floats:

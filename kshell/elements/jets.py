@@ -56,6 +56,25 @@ def jacobi_jets(degree: int, a: float, b: float, x: Floats) -> list[Floats]:
     return out
 
 
+def jacobi_family(degree: int, x: Floats) -> Floats:
+    """Values (n, i, point) of the Jacobi polynomials P_n of weights (1 - x)^(2 i + 1), n and i up to a degree.
+
+    Those with n + i beyond the degree are not to be used. Source: as of `jacobi_jets`.
+    """
+    out = np.ones((degree + 1, degree + 1, len(x)))
+    a = 2.0 * np.arange(degree + 1)[:, None] + 1.0
+    if degree > 0:
+        out[1] = 0.5 * (a + 2.0) * x + 0.5 * a
+    for n in range(2, degree + 1):
+        a = a[: degree + 1 - n]
+        c = 2 * n + a
+        scale = 2 * n * (n + a) * (c - 2)
+        slope, shift = (c - 1) * c * (c - 2) / scale, (c - 1) * a * a / scale
+        back = 2 * (n + a - 1) * (n - 1) * c / scale
+        out[n, : len(a)] = (slope * x + shift) * out[n - 1, : len(a)] - back * out[n - 2, : len(a)]
+    return out
+
+
 def scaled_legendre_jets(degree: int, x: Floats, t: Floats) -> list[Floats]:
     """t^n P_n(x / t), n = 0 ... degree: polynomials in the jets x and t, where t may vanish."""
     one = np.zeros_like(x)

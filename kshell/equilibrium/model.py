@@ -2,7 +2,8 @@
 
 A model is built from a resolved scene and then only read: a structure with its supports and loads, on one mesh with one
 element. An analysis takes a model and gives a result; it knows neither plates nor shells, and asks `isinstance(model,
-FiniteModel)` where it needs finite deformation.
+FiniteModel)`
+(finite_model.py) where it needs finite deformation, `MovingModel` (moving_model.py) where it follows a motion in time.
 
 Symbols
 -------
@@ -23,7 +24,6 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.equilibrium.problem import Problem, State
 from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError
 from kshell.result.result import Result
@@ -164,13 +164,6 @@ class Model(ABC):
         Matrices, factorisations and tables that do not depend on loads are shared.
         """
 
-    def loaded(self, structure: Structure, factor: float = 1.0) -> Self:
-        """The same under the loads and prescribed motions of a structure that differs in nothing else, times a factor.
-
-        Matrices, factorisations and tables that do not depend on loads are shared.
-        """
-        raise InputError(f"a {self.kind} with the element {self.element} does not move in time: {_OTHER}")
-
     # linear solution and what comes out
 
     def prepare(self) -> None:
@@ -227,104 +220,3 @@ class Model(ABC):
 
 
 _OTHER = 'take model = "shell" or another element'
-
-
-class FiniteModel(Model):
-    """A model with an energy of finite deformation.
-
-    Attributes
-    ----------
-    frame : str
-        The axes of tensors in its results.
-    small_only : str
-        Why it is for small deflections of this structure only, in words; empty where it is not.
-    """
-
-    frame: str
-    small_only: str = ""
-
-    @abstractmethod
-    def equilibrium(self) -> Problem:
-        """Energy, conditions and loads, all growing with one factor.
-
-        Raises
-        ------
-        InputError
-            If something in the structure has small turns only.
-        """
-
-    @abstractmethod
-    def near_rest(self) -> Problem:
-        """The same for a look at what is near a linear solution, whatever turns by small turns only."""
-
-    @abstractmethod
-    def full_mass(self) -> sp.csr_matrix:
-        """Consistent mass matrix of all unknowns x, on which `equilibrium` works; zero without density."""
-
-    @property
-    @abstractmethod
-    def thickness(self) -> float:
-        """A typical thickness."""
-
-    @abstractmethod
-    def probe_row(self, name: str, component: str) -> Floats:
-        """(unknowns,) whose product with x is the displacement of a probe along "x", "y" or "z".
-
-        Raises
-        ------
-        InputError
-            If there is no such probe.
-        """
-
-    def displaced(self, displacement: Callable[[Floats], Floats]) -> Floats:
-        """(unknowns,) of a displacement (n, 3) given at places (n, 3); rotations are left at zero.
-
-        Raises
-        ------
-        InputError
-            If the element takes none.
-        """
-        raise InputError(
-            f'initial displacements are not for the element {self.element}: take element = "koiter"'
-        )
-
-    @property
-    def yields(self) -> bool:
-        """Whether what a load leaves behind depends on the way it grew."""
-        return False
-
-    def contact_surface(self) -> tuple[Floats, NDArray[np.integer]]:
-        """(node, 3) places at rest, whose displacements are the first unknowns, and triangles through them.
-
-        Raises
-        ------
-        InputError
-            If the element has none.
-        """
-        raise InputError(f'contact is not for the element {self.element}: take element = "koiter"')
-
-    @abstractmethod
-    def linear_probes(self, solved: Solved) -> dict[str, dict[str, Any]]:
-        """Values at the probes of a linear solution, as in `Result.probes`."""
-
-    @abstractmethod
-    def recover_state(self, state: State, work: float, inertia: Floats | None = None) -> Result:
-        """The result of a state of finite deformation, to which the loads did some work.
-
-        Parameters
-        ----------
-        inertia : (unknowns,), optional
-            Of a motion: forces of inertia and damping, which act as loads.
-        """
-
-    @abstractmethod
-    def rigid_motions(self, x: Floats) -> Floats:
-        """(unknowns, 6): unit translations, and turns about axes through the origin of the structure moved by x."""
-
-    @abstractmethod
-    def state_probes(self, state: State) -> dict[str, dict[str, Any]]:
-        """Values at the probes in a state, as in `Result.probes`."""
-
-    @abstractmethod
-    def fingerprint(self) -> str:
-        """Tells models apart: mesh, supports, loads and stiffness."""

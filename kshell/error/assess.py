@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kshell.equilibrium.model import Model, Solved
-from kshell.equilibrium.problem import State
 from kshell.error.assessment import Assessment
 from kshell.result.result import Result
+
+if TYPE_CHECKING:
+    from kshell.equilibrium.problem import State
 
 DUALS = 3  # dual solutions at most, where no tolerance asks for more
 
@@ -19,6 +21,7 @@ def assess(
     result: Result,
     duals: int = DUALS,
     names: Sequence[str] | None = None,
+    marks: bool = False,
 ) -> Assessment:
     """How far a result may be from the exact one of its model.
 
@@ -33,6 +36,8 @@ def assess(
         How many dual solutions may be made.
     names : sequence of str, optional
         Probes; all if absent.
+    marks : bool
+        Whether triangles are to be marked for refinement where that is work of its own.
     """
     wanted = list(model.structure.probes) if names is None else list(names)
     rest: Any = answer
@@ -40,7 +45,7 @@ def assess(
     if (model.kind, model.element) == ("shell", "koiter"):
         from kshell.error import shells
 
-        if isinstance(answer, State):
+        if not isinstance(answer, Solved):
             return shells.assess_state(of, answer, result, duals, wanted)
         return shells.assess_small(of, rest.x, result, duals, wanted)
     if (model.kind, model.element) == ("plate", "argyris"):
@@ -51,10 +56,10 @@ def assess(
         from kshell.error.plate_averages import assess_averages
 
         return assess_averages(of, rest, result, duals, wanted)
-    if isinstance(answer, State):
+    if not isinstance(answer, Solved):
         return Assessment(
             why_not='no estimate of large deflections of Argyris shells: element = "koiter" has one'
         )
     from kshell.error.two_elements import assess_difference
 
-    return assess_difference(of, rest, result, wanted)
+    return assess_difference(of, rest, result, wanted, marks)

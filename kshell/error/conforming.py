@@ -87,6 +87,12 @@ class Conforming:
         d = self.reduction @ q
         return d + self.particular if prescribed else d
 
+    def largest(self) -> float:
+        """The largest deflection of a vertex."""
+        every = np.arange(len(self.problem.mesh.points))
+        w = self.full(self.unknowns)[self.problem.layout.vertex_dofs(every)[:, 0]]
+        return float(np.abs(w).max())
+
     def reference(self, d: Floats) -> Floats:
         """(T, 21) of the deflection less the plane through the vertices, on the reference triangle."""
         local = d[self.dofs]

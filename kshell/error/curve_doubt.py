@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from kshell.plate.curves import EdgeCurves
 from kshell.plate.domain import Domain
+from kshell.plate.smooth import settled_degree
+from kshell.plate.splines import spline_at
 
 Floats = NDArray[np.float64]
 
 SMOOTH = 1.0 - 1e-9  # cosine between tangents of one smooth line
 ENOUGH = 5  # nodes, of which every other one is left out
-DEGREE = 5
 CUBIC = 1.0 / 384.0
 RELIED = 4.0
 
@@ -25,8 +26,8 @@ RELIED = 4.0
 def curve_doubt(domain: Domain) -> Floats:
     """(edge,) distance that the true shape of each edge of `Domain.curves` may have from the one taken; 0: straight.
 
-    An edge with a node in its middle is a quintic with the tangents and curvatures of the spline at its ends: it misses
-    that node by as much as it is off. Arcs of circles are known to rounding.
+    An edge with a node in its middle is a polynomial with the derivatives of the spline at its ends: it misses that
+    node by as much as it is off. Arcs of circles and ellipses are known to rounding.
     """
     curves, mesh = domain.curves, domain.mesh
     out = np.zeros(len(curves.edges))
@@ -38,7 +39,7 @@ def curve_doubt(domain: Domain) -> Floats:
         chord = domain.points[mesh.edges[curves.edges[bent]]].mean(axis=1)
         off = chord + curves.deviation(bent, np.array([0.5]))[:, 0] - mesh.midpoints[curves.edges[bent], :2]
         # where along the edge the node lies says nothing of its shape
-        along = domain.edge_motion(curves.edges[bent].astype(np.int64), np.array([0.5]))[0][:, 0]
+        along = domain.edge_motion(curves.edges[bent].astype(np.int64), np.array([0.5]))[1][:, 0]
         across = off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]
         out[bent] += np.abs(across) / np.linalg.norm(along, axis=1)
     return out
@@ -104,14 +105,10 @@ def _missed(domain: Domain, edges: list[int], ahead: list[bool], closed: bool) -
     parameter = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
     kept = np.unique(np.append(np.arange(0, len(nodes), 2), len(nodes) - 1))
     left = np.setdiff1d(np.arange(len(nodes)), kept)
-    periodic = closed and len(kept) > DEGREE + 1
-    degree = DEGREE if periodic else min(DEGREE, len(kept) - 1 - (len(kept) + 1) % 2)
-    from scipy.interpolate import make_interp_spline
-
-    spline = make_interp_spline(
-        parameter[kept], nodes[kept], k=degree, bc_type="periodic" if periodic else None
-    )
-    off, along = spline(parameter[left]) - nodes[left], spline(parameter[left], 1)
+    degree = min(settled_degree(parameter[of], nodes[of], closed) for of in (kept, np.arange(len(nodes))))
+    periodic = closed and len(kept) > degree + 1
+    through, along = spline_at(parameter[kept], nodes[kept], degree, parameter[left], periodic)
+    off = through - nodes[left]
     across = np.abs(off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]) / np.linalg.norm(along, axis=1)
     missed = np.zeros(len(nodes))
     missed[left] = across * RELIED / 2.0 ** (degree + 1)

@@ -114,24 +114,24 @@ def shear_share(
     if not result.strain_energy > 0.0:
         return ShearShare(0.0, 0.0)
     d = np.asarray(solved.x)
-    centres, strong = _singular(problem)
+    centres, strong = singular_places(problem)
     stored = 2.0 * result.strain_energy
     if probe is None:
-        return _resolved(_products(problem, [d], centres, strong), stored)
+        return resolved(products(problem, [d], centres, strong), stored)
     at = np.array(problem.structure.probes[probe])
     w = float(np.asarray(result.probes[probe]["u"])[2])
     deflections = d[problem.layout.vertex_dofs(np.arange(problem.layout.vertex_count))[:, 0]]
     if not abs(w) > ZERO * np.abs(deflections).max():
-        found = _resolved(_products(problem, [d], centres, strong), stored)
+        found = resolved(products(problem, [d], centres, strong), stored)
         return replace(found, share=None, why_not=f"the deflection at {place(at)} is zero")
     if dual is None:
         rows, _, _ = deflection_rows(problem, at[None, :2])
         reduction = problem.reduction.matrix()
         dual = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))[:, 0]
-    return _resolved(_products(problem, [d, dual], centres, strong, at[None, :2]), stored, abs(w))
+    return resolved(products(problem, [d, dual], centres, strong, at[None, :2]), stored, abs(w))
 
 
-def _resolved(products: Floats, stored: float, w: float | None = None) -> ShearShare:
+def resolved(products: Floats, stored: float, w: float | None = None) -> ShearShare:
     """Of the energy, and of a deflection where there are two products; None where corners have most of it."""
     whole, beside = products.T
     energy = float(whole[0] / stored)
@@ -140,7 +140,7 @@ def _resolved(products: Floats, stored: float, w: float | None = None) -> ShearS
     return ShearShare(energy if w is None else float(abs(whole[1] / w)), energy)
 
 
-def _products(
+def products(
     problem: PlateProblem,
     deflections: list[Floats],
     centres: Floats,
@@ -230,7 +230,7 @@ def _soft_edges(problem: PlateProblem) -> Ints:
     return boundary[~hard[boundary]].astype(np.int64)
 
 
-def _singular(problem: PlateProblem) -> tuple[Floats, NDArray[np.bool_]]:
+def singular_places(problem: PlateProblem) -> tuple[Floats, NDArray[np.bool_]]:
     """(k, 2) places where shear forces grow without bound, and (k,) whether their energy does so fast.
 
     Corners, where supports change, and points that are held or loaded; corners of about 90 degrees between edges that

@@ -12,7 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from kshell.equilibrium.model import Solved
-from kshell.error.assessment import Assessment, Interval
+from kshell.error.assessment import ENERGY, Assessment, Interval
+from kshell.error.averages import Averages
 from kshell.error.estimate import Estimate
 from kshell.errors import InputError, SolveError
 from kshell.result.result import Result
@@ -26,11 +27,13 @@ SAFETY = 2.0  # of the difference of energies: thin shells on few triangles are 
 LIKELY = 0.25  # of the half width
 
 
-def assess_difference(model: ChartModel, solved: Solved, result: Result, names: Sequence[str]) -> Assessment:
+def assess_difference(
+    model: ChartModel, solved: Solved, result: Result, names: Sequence[str], marks: bool = False
+) -> Assessment:
     """Of small deflections; all named probes, as there are no duals.
 
     The values of a probe may differ by little where the solutions differ by much: the relative difference of their
-    energies is added.
+    energies is added. ``marks`` for refinement are those of the Koiter elements, whose forces and moments jump.
     """
     try:
         other = KoiterModel(model.structure, ORDER)
@@ -54,4 +57,8 @@ def assess_difference(model: ChartModel, solved: Solved, result: Result, names: 
         value = np.asarray(result.probes[name]["u"], dtype=float)
         off = np.abs(value - np.asarray(probes[name]["u"], dtype=float)) + share * np.abs(value)
         out.probes[name] = Interval(value, off, LIKELY * off, "estimated")
+    if marks:
+        local = Averages(problem).local(strain)
+        for name in (ENERGY, *names):
+            out.marks[name], out.parts[name] = local, np.zeros_like(local)
     return out

@@ -205,6 +205,10 @@ class Section:
         InputError
             If parts differ in it, or layers harden, or a material relaxes and yields.
         """
+        return self._inelastic
+
+    @cached_property
+    def _inelastic(self) -> Inelastic:
         relaxation = relaxation_of(material for part in self.parts for material in (part.materials or [None]))
         for part in self.parts:
             if len(part.materials) > 1 and any(getattr(m, "hardening", None) for m in part.materials):
@@ -212,6 +216,8 @@ class Section:
                     f"{part.what}: layers do not yield: sections yield as a whole, of one material; leave hardening out"
                 )
         single = [part.materials[0] if len(part.materials) == 1 else None for part in self.parts]
+        if not any(getattr(material, "hardening", None) for material in single):
+            return Inelastic(relaxation)
         every = np.arange(len(self._mesh.triangles))
         yielding = yielding_of(single, self._part, self.thickness(every, self._centroids[:, None])[:, 0])
         if relaxation and yielding is not None:
@@ -256,15 +262,6 @@ class Section:
             triangles, points, (3, 6), lambda part, t: np.concatenate(part.stress(face, t), axis=-1)
         )
         return both[..., :3], both[..., 3:]
-
-    def stress_factors(self, triangles: Ints, points: Floats) -> tuple[Floats, Floats]:
-        """Factors (n, q, 3, 3) F of the stress sigma = F w'' at the top (z = t/2) and at the bottom.
-
-        For one isotropic material sigma = F w'' equals 12 M z / t^3. Initial curvature is subtracted from
-        w'' by the caller.
-        """
-        top, bottom = (-self.stress(face, triangles, points)[1] for face in (TOP, BOTTOM))
-        return top, bottom
 
     @property
     def _centroids(self) -> Floats:

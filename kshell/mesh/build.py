@@ -52,7 +52,7 @@ def build(raw: RawMesh, kind: type[M]) -> M:
     check.areas(points, triangles, raw.source)
     bare = kind(points, triangles.astype(np.int32), source=raw.source)
     midpoints = None if middle_nodes is None else _midpoints(bare, raw.points, middle_nodes)
-    flat = check.is_flat(points)
+    flat = bare.is_flat
     reverse = to_reverse(bare, flat)
     if reverse.any():
         bare = reversed_triangles(bare, reverse)
@@ -64,7 +64,9 @@ def build(raw: RawMesh, kind: type[M]) -> M:
     groups = _groups(raw, bare, vertex_of, row_of, notes)
     mesh = changed(bare, midpoints=midpoints, groups=groups)
     notes += check.connections(mesh)
-    return changed(mesh, notes=tuple(notes))
+    out = changed(mesh, notes=tuple(notes))
+    out.__dict__["_faces_up"] = True
+    return out
 
 
 def reversed_triangles(mesh: M, which: NDArray[np.bool_]) -> M:

@@ -13,7 +13,7 @@ from kshell.errors import InputError
 from kshell.mesh import quadratic
 from kshell.mesh.quality import Quality, Summary, quality, summary
 from kshell.mesh.raw import RawMesh
-from kshell.mesh.triangulation import Triangulation
+from kshell.mesh.triangulation import FLAT, Triangulation
 from kshell.mesh.unjoined import unjoined
 from kshell.mesh.words import count, place
 
@@ -24,8 +24,6 @@ Ints = NDArray[np.int64]
 
 # twice the area below this fraction of the longest edge squared is no area at all
 NO_AREA = 1e-10
-# distance from a plane, as a fraction of the mesh size, that still counts as flat
-FLAT = 1e-9
 
 HOW_TO_TRIANGLES = {
     "solid cells": "kshell models the midsurface of a thin body: describe that surface, and mesh in two "

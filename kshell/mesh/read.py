@@ -9,7 +9,6 @@ from typing import Any
 
 from kshell.errors import InputError, clipped
 from kshell.mesh.build import build, reversed_triangles
-from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.order import in_spatial_order
 from kshell.mesh.orient import to_reverse
@@ -136,10 +135,11 @@ def _quick_to_walk(mesh: Mesh) -> Mesh:
 
 def facing_up(mesh: Mesh) -> Mesh:
     """A mesh in a plane z = const with its normals along +z; any other mesh as it is."""
-    if not is_flat(mesh.points):
+    if "_faces_up" in mesh.__dict__ or not mesh.is_flat:  # found when it was built, or asked before
         return mesh
     reverse = to_reverse(mesh, True)
     if not reverse.any():
+        mesh.__dict__["_faces_up"] = True
         return mesh
     note = f"{reverse.sum()} of {count(len(reverse), 'triangle')} reversed so that normals point along +z"
     return replace(reversed_triangles(mesh, reverse), notes=(*mesh.notes, note))

@@ -13,6 +13,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.mesh.connected import connected_parts
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
@@ -20,6 +22,8 @@ Ints = NDArray[np.int32]
 EDGE_VERTICES = np.array([[0, 1], [1, 2], [0, 2]])
 
 KIND_OF_DIMENSION = ("point", "curve", "surface")
+# distance from a plane, as a fraction of the mesh size, that still counts as flat
+FLAT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -147,13 +151,27 @@ class Triangulation:
     @cached_property
     def areas(self) -> Floats:
         """(triangle,) area of the flat triangle between the vertices."""
-        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
-        return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        a, b, c = (self.points[self.triangles[:, k]].T for k in range(3))
+        u, v = b - a, c - a
+        x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+        return np.asarray(0.5 * np.sqrt(x * x + y * y + z * z))
 
     @cached_property
     def size(self) -> float:
         """Diagonal of the bounding box."""
         return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+
+    @cached_property
+    def is_flat(self) -> bool:
+        """Whether all vertices lie in one plane z = const."""
+        return bool(np.ptp(self.points[:, 2]) <= FLAT * self.size)
+
+    @cached_property
+    def sheets(self) -> NDArray[np.int64]:
+        """(triangle,) number of the part of the mesh, triangles being connected where they share an edge."""
+        owner = self.edge_owner[self.triangle_edges, 0].ravel()
+        mine = np.repeat(np.arange(len(self.triangles)), 3)
+        return connected_parts(len(self.triangles), mine, owner)[1]
 
     def edge_index(self, ends: ArrayLike) -> Ints:
         """Edge numbers of vertex pairs.
@@ -176,11 +194,22 @@ class Triangulation:
 
 M = TypeVar("M", bound=Triangulation)
 
+# what depends on points and triangles alone
+KEPT = (
+    "_edge_table",
+    "edge_counts",
+    "edge_owner",
+    "boundary_edges",
+    "edge_lengths",
+    "areas",
+    "size",
+    "is_flat",
+    "sheets",
+)
+
 
 def changed(mesh: M, **changes: Any) -> M:
-    """The mesh with other attributes but the same points and triangles; its edge table is kept."""
+    """The mesh with other attributes but the same points and triangles; what follows from these is kept."""
     new = replace(mesh, **changes)
-    new.__dict__.update(
-        {name: mesh.__dict__[name] for name in ("_edge_table", "edge_lengths") if name in mesh.__dict__}
-    )
+    new.__dict__.update({name: mesh.__dict__[name] for name in KEPT if name in mesh.__dict__})
     return new

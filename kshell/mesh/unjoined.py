@@ -35,7 +35,8 @@ def unjoined(mesh: Triangulation) -> list[str]:
     Two vertices at one place are a slit, not an error, if both belong to named groups of curves or points
     and to the same part of the mesh.
     """
-    part = vertex_parts(mesh)
+    one = not mesh.sheets.any()
+    part = np.zeros(len(mesh.points), dtype=np.int64) if one else vertex_parts(mesh)
     n_parts = int(part.max()) + 1
     boundary = np.unique(mesh.edges[mesh.boundary_edges])
     tolerance = SAME_PLACE * float(mesh.edge_lengths.min())
@@ -66,13 +67,6 @@ def unjoined(mesh: Triangulation) -> list[str]:
 def vertex_parts(mesh: Triangulation) -> Ints:
     """(vertex,) number of the part of the mesh, triangles being connected where they share a vertex."""
     return connected_parts(len(mesh.points), *mesh.edges.T)[1]
-
-
-def sheet_parts(mesh: Triangulation) -> Ints:
-    """(triangle,) number of the part of the mesh, triangles being connected where they share an edge."""
-    owner = mesh.edge_owner[mesh.triangle_edges, 0].ravel()
-    mine = np.repeat(np.arange(len(mesh.triangles)), 3)
-    return connected_parts(len(mesh.triangles), mine, owner)[1]
 
 
 def _on_named_curves(mesh: Triangulation) -> Bools:
@@ -139,7 +133,7 @@ def _parts(mesh: Triangulation, part: Ints, n_parts: int) -> list[str]:
             f"the mesh falls into {n_parts} parts that are not connected; each needs supports of its own. "
             f"The smallest has {count(int(sizes[smallest]), 'triangle')} near {place(middle)}"
         ]
-    sheets = sheet_parts(mesh)
+    sheets = mesh.sheets
     n_sheets = int(sheets.max()) + 1
     if n_sheets == 1:
         return []

@@ -38,13 +38,41 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
     d : (dof,)
         Physical degrees of freedom.
     """
+    energies = problem.energies(np.asarray(solution.x, dtype=np.float64))
+    result = _recovered(problem, d, energies, list(solution.warnings))
+    result.error["budget"]["algebra"] = float(solution.energy_error)
+    return result
+
+
+def recover_motion(
+    problem: PlateProblem, d: Floats, energies: tuple[float, float], inertia: Floats
+) -> Result:
+    """The same of a plate in motion.
+
+    Parameters
+    ----------
+    energies : tuple of float
+        Strain energy, and the work of loads up to there.
+    inertia : (dof,)
+        Forces of inertia and damping, which act as loads.
+    """
+    return _recovered(problem, d, energies, [], inertia)
+
+
+def _recovered(
+    problem: PlateProblem,
+    d: Floats,
+    energies: tuple[float, float],
+    warnings: list[str],
+    inertia: Floats | None = None,
+) -> Result:
     mesh = problem.mesh
     fields = problem.fields(d)
     finder = ReactionFinder(
         problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending
     )
-    reactions = finder.find(d, problem.loads.forms, fields)
-    warnings = [*problem.warnings(), *solution.warnings]
+    reactions = finder.find(d, problem.loads.forms, fields, inertia)
+    warnings = [*problem.warnings(), *warnings]
     if problem.hanging:
         warnings += problem.drift(
             float(np.abs(fields.vertex_displacement).max()), problem.loads, reactions.left
@@ -56,17 +84,13 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         )
 
     probed = probe_values(problem.structure.probes, Above(fields, mesh), mesh, "plate")
-    strain_energy, work = problem.energies(np.asarray(solution.x, dtype=np.float64))
+    strain_energy, work = energies
     springs = [form for _, form in problem.supports.springs]
-    energies = {}
+    parts = {}
     if springs:
         every = np.arange(len(mesh.triangles))
-        energies["springs"] = 0.5 * float(
-            d @ residual(springs, [], problem.domain, problem.reduction, d, every)
-        )
-        energies["bending"] = strain_energy - energies["springs"]
-    error = no_error_estimate()
-    error["budget"]["algebra"] = float(solution.energy_error)
+        parts["springs"] = 0.5 * float(d @ residual(springs, [], problem.domain, problem.reduction, d, every))
+        parts["bending"] = strain_energy - parts["springs"]
     return Result(
         mesh=mesh,
         fields=vertex_fields(fields),
@@ -81,12 +105,13 @@ def recover(problem: PlateProblem, d: Floats, solution: Solution) -> Result:
         sheets=probed.sheets,
         probe_triangles=probed.triangles,
         reactions=reactions.groups,
+        along_supports=reactions.along,
         balance=reactions.balance,
         strain_energy=strain_energy,
-        energies=energies,
+        energies=parts,
         external_work=work,
-        evaluate=fields.at,
-        error=error,
+        evaluate=fields.all_at,
+        error=no_error_estimate(),
         warnings=warnings + probed.warnings,
     )
 
@@ -96,6 +121,11 @@ class Above:
 
     def __init__(self, fields: Fields, mesh: Mesh) -> None:
         self.fields, self.height = fields, float(mesh.points[0, 2])
+
+    @property
+    def has_sheets(self) -> bool:
+        """Whether moments or stresses may differ between the sides of a line."""
+        return self.fields.lines.may_jump
 
     def at(self, points: Floats) -> dict[str, Floats]:
         """At the nearest points."""

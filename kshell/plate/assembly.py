@@ -194,7 +194,7 @@ def _batches(
                 yield from batches(whole, mine, mine)
     for part in parts:
         if not part.everywhere:
-            for positions, triangles in _chunks(part):
+            for positions, triangles in chunks(part):
                 keep = slice(None) if wanted is None else wanted[triangles]
                 if len(triangles[keep]):
                     yield from batches([part], positions[keep], triangles[keep])
@@ -222,13 +222,13 @@ def residual(
     wanted = np.zeros(len(layout.mesh.triangles), dtype=bool)
     wanted[where] = True
     for form in forms:
-        for positions, triangles in _chunks(form, wanted):
+        for positions, triangles in chunks(form, wanted):
             transform = layout.element.transformation(domain.affine(triangles))
             dofs = layout.triangle_dofs(triangles)
             local = less_planes(domain, layout, triangles, d) if isinstance(form, Bending) else d[dofs]
             np.add.at(out, dofs, form.products(positions, transform, transform @ local[:, :, None]))
     for load in loads:
-        for positions, triangles in _chunks(load, wanted):
+        for positions, triangles in chunks(load, wanted):
             transform = layout.element.transformation(domain.affine(triangles))
             np.add.at(out, layout.triangle_dofs(triangles), -load.vectors(positions, transform))
     return out
@@ -240,7 +240,7 @@ def add_to(out: Floats, unknown: NDArray[np.int32], values: Floats) -> None:
     np.add.at(out, unknown[free], values[free])
 
 
-def _chunks(form: Form | LinearForm, wanted: NDArray[np.bool_] | None = None) -> Iterator[tuple[Ints, Ints]]:
+def chunks(form: Form | LinearForm, wanted: NDArray[np.bool_] | None = None) -> Iterator[tuple[Ints, Ints]]:
     """The batches of a form, restricted to wanted triangles, none longer than a block."""
     for positions, triangles in form.blocks():
         if wanted is not None:

@@ -1,12 +1,7 @@
 """The region a plate covers: triangles, and the true shape of its curved edges, with quadrature on both.
 
-A triangle at a curved edge keeps the polynomials of the straight triangle, extended a little beyond
-the chord, but is integrated over its true region; the other triangles are affine. With x(xi) the affine
-map, lambda_i the barycentric coordinates and an edge from its lower vertex a to its higher vertex b,
-
-    x(xi) + lambda_a lambda_b phi(s),    s = (1 + lambda_b - lambda_a) / 2,
-
-maps the reference triangle onto the true one (phi as in `kshell.plate.curves`).
+A triangle at a curved edge keeps the polynomials of the straight triangle, extended a little beyond the chord, but is
+integrated over its true region (`kshell.plate.region`); the other triangles are affine.
 """
 
 from __future__ import annotations
@@ -20,17 +15,17 @@ from numpy.typing import NDArray
 
 from kshell.elements.affine import AffineTriangles
 from kshell.elements.quadrature import interval_rule, triangle_rule
-from kshell.elements.reference import VERTICES, powers
-from kshell.errors import InputError
+from kshell.elements.reference import VERTICES
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
-from kshell.plate.curves import EdgeCurves, edge_curves, joined_curves
+from kshell.plate.curves import EdgeCurves, joined_curves
+from kshell.plate.region import motion, region_points
+from kshell.plate.rims import edge_curves
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 KEPT = 3  # batches whose maps are kept
 BLOCK = 1024  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
-GRADIENTS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the barycentric coordinates
 
 
 @dataclass(frozen=True)
@@ -183,51 +178,8 @@ class Domain:
         return self._curved_patches[key]
 
     def _make_curved_patch(self, block: Ints, degree: int) -> Patch:
-        xi, w = triangle_rule(degree + 8)  # the Jacobian of the curved map is of degree 8, of arcs nearly so
-        affine = self.affine(block)
-        shift, gradient = self._bulge(block, xi)
-        xy = affine.corners[:, None, 0] + xi @ np.swapaxes(affine.jacobian, 1, 2) + shift
-        j = affine.jacobian[:, None] + gradient
-        area = j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0]
-        if np.any(area <= 0):
-            t = block[int(np.argmin(area.min(axis=1)))]
-            x, y = self.points[self.mesh.triangles[t]].mean(axis=0)
-            raise InputError(
-                f"the triangle at ({x:g}, {y:g}) folds over: its curved edge bulges past the opposite corner; "
-                "refine the mesh along that edge"
-            )
-        return Patch(block, affine.reference_coordinates(xy), xy, area * w)
-
-    def _bulge(self, block: Ints, xi: Floats) -> tuple[Floats, Floats]:
-        """Displacement (n, point, 2) of the curved map and its gradient (n, point, 2, d / d xi)."""
-        barycentric = np.stack([1 - xi[:, 0] - xi[:, 1], xi[:, 0], xi[:, 1]], axis=1)  # (point, vertex)
-        shift = np.zeros((len(block), len(xi), 2))
-        gradient = np.zeros((len(block), len(xi), 2, 2))
-        curves = self.curves
-        for k, (v, w) in enumerate(EDGE_VERTICES):
-            edge = self.mesh.triangle_edges[block, k]
-            place = np.minimum(curves.place(edge), len(curves.edges) - 1)
-            here = np.flatnonzero((curves.edges[place] == edge) & curves.curved[place])
-            ends = self.mesh.triangles[block[here]][:, [v, w]]
-            for a, b, part in ((v, w, ends[:, 0] < ends[:, 1]), (w, v, ends[:, 0] > ends[:, 1])):
-                chosen = here[part]
-                if not len(chosen):
-                    continue
-                s = (1 + barycentric[:, b] - barycentric[:, a]) / 2
-                shape = curves.shape[place[chosen]]
-                last = shape.shape[1] - 1
-                phi = np.einsum("qk,nkx->nqx", powers(s, last), shape)
-                by_s = powers(s, last - 1) * np.arange(1.0, last + 1)
-                slope = np.einsum("qk,nkx->nqx", by_s, shape[:, 1:])
-                product = barycentric[:, a] * barycentric[:, b]
-                d_product = (
-                    barycentric[:, a, None] * GRADIENTS[b] + barycentric[:, b, None] * GRADIENTS[a]
-                )  # (point, d xi)
-                d_s = (GRADIENTS[b] - GRADIENTS[a]) / 2
-                shift[chosen] += product[:, None] * phi
-                gradient[chosen] += phi[..., None] * d_product[:, None, :]
-                gradient[chosen] += (product[:, None] * slope)[..., None] * d_s
-        return shift, gradient
+        xy, weights = region_points(self.mesh, self.curves, block, degree)
+        return Patch(block, self.affine(block).reference_coordinates(xy), xy, weights)
 
     def edge_patch(self, edges: Ints, count: int, side: int = 0) -> EdgePatch:
         """Gauss points along edges, seen from one side; boundary edges and lines follow their true shape."""
@@ -256,12 +208,9 @@ class Domain:
         if side:
             triangle = self._last[edges]
             local = np.argmax(self.mesh.triangle_edges[triangle] == edges[:, None], axis=1)
-        ends = self.mesh.edges[edges]
-        a, b = self.points[ends[:, 0]], self.points[ends[:, 1]]
-        offset, speed, bend = self._motion(edges, b - a, s)
+        xy, speed, bend = self.edge_motion(edges, s)
         length = np.hypot(speed[..., 0], speed[..., 1])
         affine = self.affine(triangle)
-        xy = a[:, None] + offset
         normal = np.stack([speed[..., 1], -speed[..., 0]], axis=-1) / length[..., None]
         # lower-to-higher tangent turned by -90 degrees points out where the triangle walks that way;
         # local edges (0, 1), (1, 2), (0, 2): the last one runs against the counter-clockwise sense
@@ -281,25 +230,9 @@ class Domain:
             across / length[..., None] ** 2,
         )
 
-    def _motion(self, edges: Ints, chord: Floats, s: Floats) -> tuple[Floats, Floats, Floats]:
-        """gamma(s) less its first point, and its first and second derivatives by s: (n, point, 2)."""
-        speed = np.repeat(chord[:, None], len(s), axis=1)
-        offset = speed * s[:, None]
-        bend = np.zeros_like(speed)
-        curves = self.curves
-        place = np.minimum(curves.place(edges), max(len(curves.edges) - 1, 0))
-        if len(curves.edges):
-            here = np.flatnonzero((curves.edges[place] == edges) & curves.curved[place])
-            bubble, slope, second = (curves.deviation(place[here], s, order) for order in range(3))
-            offset[here] += bubble
-            speed[here] += slope
-            bend[here] = second
-        return offset, speed, bend
-
-    def edge_motion(self, edges: Ints, s: Floats) -> tuple[Floats, Floats]:
-        """First and second derivatives (n, point, 2) of edges by s in [0, 1], from the lower to the higher vertex."""
-        ends = self.points[self.mesh.edges[edges]]
-        return self._motion(edges, ends[:, 1] - ends[:, 0], s)[1:]
+    def edge_motion(self, edges: Ints, s: Floats) -> tuple[Floats, Floats, Floats]:
+        """Places, first and second derivatives (n, point, 2) of edges by s, 0 to 1 from lower to higher vertex."""
+        return motion(self.mesh, self.curves, edges, s)
 
     @staticmethod
     def _on_chord(local: Ints, sense: Floats, s: Floats) -> Floats:

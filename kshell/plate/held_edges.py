@@ -24,13 +24,14 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.mesh.words import place
-from kshell.plate.curves import EdgeCurves, edge_curves, joined_curves
+from kshell.plate.curves import EdgeCurves, joined_curves
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending
 from kshell.plate.held import NONE, HeldGroup, Supports
 from kshell.plate.holds import CurvedHold, HoldLoad, OfPlace
 from kshell.plate.layout import Layout
 from kshell.plate.places import points_3d
+from kshell.plate.rims import edge_curves
 from kshell.plate.ties import CurvedTie
 from kshell.scene.supports import Support
 from kshell.values.degree import polynomial_degree

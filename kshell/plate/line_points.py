@@ -29,6 +29,11 @@ class LinePoints:
         self.fields, self.domain = fields, fields.domain
         self._jump = jump if jump is not None and jump.any() else None
 
+    @property
+    def may_jump(self) -> bool:
+        """Whether there are such lines."""
+        return self._jump is not None
+
     def find(self, points: Floats) -> Located:
         """The triangles of points (n, 3) or (n, 2); on a line of discontinuity those of the side of larger stress."""
         found = self.fields.locator.find(np.asarray(points, dtype=float)[:, :2])

@@ -11,12 +11,15 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.elements import PlateElement
-from kshell.equilibrium.model import NO_DENSITY, Model, Solved
+from kshell.equilibrium.model import NO_DENSITY, Solved
+from kshell.equilibrium.moving_model import MovingModel
+from kshell.equilibrium.oscillator import Oscillator
 from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
 from kshell.plate import vibration
-from kshell.plate.answer import motion_at, motion_fields, recover
+from kshell.plate.answer import motion_at, motion_fields, recover, recover_motion
 from kshell.plate.assembly import assemble, assemble_load
+from kshell.plate.moving import PlateMotion, fingerprint, probe_row
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import ELEMENTS, PlateProblem
 from kshell.plate.product import strain_product
@@ -38,7 +41,7 @@ MOST_TOGETHER = 4_000_000  # unknowns of all loads that are solved together: 32 
 DUAL_TOLERANCE = 1e-8  # of duals in energy, which estimates take to a few digits
 
 
-class PlateModel(Model):
+class PlateModel(MovingModel):
     """A Kirchhoff plate; x are its physical degrees of freedom.
 
     Parameters
@@ -66,6 +69,7 @@ class PlateModel(Model):
         self._ahead: dict[str, Solution] = {}  # by solver, what `solve_ahead` found
         # by probe: dual solution (dof,) and its estimate by triangle; the same under all loads
         self.duals: dict[str, tuple[Floats, Floats]] = {}
+        self._motion = PlateMotion(self.problem)  # the same under all loads
 
     def _posed(self, structure: Structure, element: PlateElement) -> PlateProblem:
         return PlateProblem(structure, element)
@@ -202,3 +206,36 @@ class PlateModel(Model):
 
     def motion_fields(self, x: Floats) -> Deferred[Floats]:
         return motion_fields(self.problem, x)
+
+    # motion in time
+
+    def oscillator(self) -> Oscillator:
+        return self._motion.oscillator(self.problem)
+
+    def loaded(self, structure: Structure, factor: float = 1.0) -> PlateModel:
+        out = copy.copy(self)
+        out.structure, out.problem = structure, self.problem.loaded(structure, factor)
+        out._ahead = {}
+        return out
+
+    def full_mass(self) -> sp.csr_matrix:
+        return self._motion.mass
+
+    @property
+    def thickness(self) -> float:
+        mesh = self.problem.mesh
+        centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
+        found = self.problem.section.thickness(np.arange(len(mesh.triangles)), centres)[:, 0]
+        return float(mesh.areas @ found / mesh.areas.sum())
+
+    def probe_row(self, name: str, component: str) -> Floats:
+        return probe_row(self.problem, name, component)
+
+    def rigid_motions(self, x: Floats) -> Floats:
+        return self._motion.rigid
+
+    def recover_motion(self, x: Floats, work: float, inertia: Floats) -> Result:
+        return recover_motion(self.problem, x, (self.oscillator().energy(x), work), inertia)
+
+    def fingerprint(self) -> str:
+        return fingerprint(self.problem)

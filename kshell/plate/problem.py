@@ -88,8 +88,8 @@ class PlateProblem:
         self.hanging: list[Hanging] = []
         if not structure.movable:
             self.hanging = require_held(self.domain, self.layout, self.supports.conditions, springs)
-        shared = shared_slopes(self.domain, element) if len(self.domain.bent) else None
-        self.reduction = Reduction(self.layout, self.supports.conditions, shared)
+        self._shared = shared_slopes(self.domain, element) if len(self.domain.bent) else None
+        self.reduction = Reduction(self.layout, self.supports.conditions, self._shared)
         holds = [form for _, form in self.supports.holds]
         self.forms: list[Form] = [self.bending, *springs, *holds, *self.supports.ties]
 
@@ -172,6 +172,24 @@ class PlateProblem:
                 out.__dict__[name] = replace(self.__dict__[name], **changed)
         return out
 
+    def loaded(self, structure: Structure, factor: float) -> PlateProblem:
+        """The same plate under the loads and prescribed motions of another structure, times a factor."""
+        out = copy.copy(self)
+        for name in ("_load_table", "system", "assembled", "_known"):
+            out.__dict__.pop(name, None)
+        out.structure = structure
+        if structure.loads != self.structure.loads:
+            out.loads = apply_loads(
+                structure.loads, self.domain, self.layout, self.bending, self.section, structure.masses
+            )
+        if structure.supports != self.structure.supports:
+            out.supports = apply_supports(structure.supports, self.domain, self.layout, self.bending)
+            out.reduction = Reduction(self.layout, out.supports.conditions, self._shared)
+        if factor != 1.0:
+            out.loads = out.loads.times([factor] * len(structure.loads))
+            out.supports, out.reduction = out.supports.times(factor), out.reduction.times(factor)
+        return out
+
     def energies(self, q: Floats) -> tuple[float, float]:
         """Strain energy, and the work of the loads and of supports that move when all of them act slowly.
 
@@ -191,14 +209,14 @@ class PlateProblem:
             return elastic, work
         fixed, fixed_work = assemble_load(list(self.loads.curvatures), self.domain, self.reduction)
         pull = float(q @ fixed) + fixed_work
-        return elastic - pull + self._held_back(), work - 0.5 * pull
+        return elastic - pull + self.held_back(), work - 0.5 * pull
 
     def _work_of_supports(self, q: Floats) -> float:
         """Work g (K d - f) of what supports exert on the prescribed motion, as if it acted in full."""
         a = self.system
         return a.fixed_energy - float(q @ a.fixed_load) - a.load_work
 
-    def _held_back(self) -> float:
+    def held_back(self) -> float:
         """Energy of the initial curvatures, all together, in a plate that does not bend."""
         total = 0.0
         for patch in self.domain.patches(2 * LOAD_DEGREE):

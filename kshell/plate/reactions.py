@@ -9,21 +9,24 @@ them, the smallest multipliers with R^T lambda = residual.
 from __future__ import annotations
 
 from collections.abc import MutableMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.plate.along_supports import AlongSupports
 from kshell.plate.assembly import residual
 from kshell.plate.corner_forces import CornerForces
-from kshell.plate.domain import Domain
-from kshell.plate.forms import Bending, Form
+from kshell.plate.domain import Domain, EdgePatch
+from kshell.plate.forms import Bending, Form, edge_rows
 from kshell.plate.held import Supports
 from kshell.plate.layout import Layout
+from kshell.plate.line_forces import LineForces, Lines
 from kshell.plate.loading import LinearForm
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
+from kshell.plate.rigid import rigid_motions
 from kshell.result.deferred import Deferred
 
 Floats = NDArray[np.float64]
@@ -45,11 +48,14 @@ class Reactions:
         What loads and reactions leave over, relative to the largest of them.
     left : float
         The same as a force.
+    along : dict of label to dict
+        Their distribution along lines.
     """
 
     groups: dict[str, MutableMapping[str, Any]]
     balance: float
     left: float = 0.0
+    along: MutableMapping[str, dict[str, Any]] = field(default_factory=dict)
 
 
 class ReactionFinder:
@@ -74,10 +80,16 @@ class ReactionFinder:
             held[mesh.edges[group.edges]] = True
         self.near = np.flatnonzero(held[mesh.triangles].any(axis=1)).astype(np.int64)
 
-    def find(self, d: Floats, loads: list[LinearForm], fields: Fields) -> Reactions:
-        """Reactions of a solution with physical degrees of freedom d."""
+    def find(
+        self, d: Floats, loads: list[LinearForm], fields: Fields, inertia: Floats | None = None
+    ) -> Reactions:
+        """Reactions of a solution with physical degrees of freedom d; inertia (dof,) acts as a load."""
         linear = [*loads, *self.supports.hold_loads]
         r = residual(self.forms, linear, self.domain, self.reduction, d, self.near)
+        pushed = np.zeros(3)
+        if inertia is not None:
+            r = r - inertia
+            pushed = self._rigid_everywhere().T @ inertia
         slopes = self._release_slopes(r)
         totals: dict[str, Floats] = {}
         shared = self._shared(r)
@@ -92,7 +104,36 @@ class ReactionFinder:
             totals[label] = totals[label] + self._rigid_work(load)
         corners = CornerForces(self.domain, self.reduction, self.supports, self.bending, loads, fields)
         groups = {label: self._document(label, total, corners) for label, total in totals.items()}
-        return Reactions(groups, *self._balance(totals, loads, d))
+        along = self._along(d, loads, totals, inertia)
+        return Reactions(groups, *self._balance(totals, loads, d, pushed), along)
+
+    def _along(
+        self, d: Floats, loads: list[LinearForm], totals: dict[str, Floats], inertia: Floats | None
+    ) -> MutableMapping[str, dict[str, Any]]:
+        """What the supports exert along their lines, found when it is looked at."""
+        domain, supports = self.domain, self.supports
+        springs = [form for _, form in supports.springs]
+
+        def find(lines: Lines) -> LineForces:
+            # without what holds curved edges: that is the supports', too
+            forms = [self.bending, *springs, *supports.ties]
+            r = residual(forms, loads, domain, self.reduction, d, self.near)
+            if inertia is not None:
+                r = r - inertia
+            wanted = np.sum([np.zeros(3), *totals.values()], axis=0)
+            for form in springs:
+                wanted = wanted - self._spring_force(form, d)
+            return LineForces(domain, self.layout, lines, r, self.centre, wanted)
+
+        def moved(patch: EdgePatch, slope: bool) -> Floats:
+            affine, element = domain.affine(patch.triangles), self.layout.element
+            transform = element.transformation(affine)
+            rows = edge_rows(element, affine, patch, slice(None), slope, transform)[:, :, 0]
+            return np.asarray((rows @ d[self.layout.triangle_dofs(patch.triangles)][:, :, None])[..., 0])
+
+        return AlongSupports(
+            domain, supports, lambda: Lines(domain, supports, loads), find, moved
+        ).documents()
 
     def _shared(self, r: Floats) -> dict[int, dict[int, Floats]]:
         """Work (per_vertex,) that falls to each group, by its number, at vertices that several groups hold."""
@@ -215,6 +256,10 @@ class ReactionFinder:
         out[:, 3 * b :, 2] = -affine.normals[..., 0]
         return out
 
+    def _rigid_everywhere(self) -> Floats:
+        every = np.arange(len(self.domain.mesh.triangles))
+        return rigid_motions(self.domain, self.layout, self.centre, every)
+
     def _document(self, label: str, total: Floats, corners: CornerForces) -> MutableMapping[str, Any]:
         force, mx, my = total
         # from the centre to the origin of the coordinates: M + r x F
@@ -235,7 +280,9 @@ class ReactionFinder:
             {"force": lambda: out["force"], "moment": lambda: out["moment"], "corners": concentrated}
         )
 
-    def _balance(self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats) -> tuple[float, float]:
+    def _balance(
+        self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats, pushed: Floats
+    ) -> tuple[float, float]:
         """Error of equilibrium of forces, and of moments about the centre, relative to what acts, and as it is.
 
         Where no load acts, relative to the forces that would bend the plate by as much as it moves: one that is only
@@ -243,9 +290,7 @@ class ReactionFinder:
         """
         scale = np.array([1.0, 1.0 / self.size, 1.0 / self.size])
         parts = [load.resultant(self.centre) * scale for load in loads]
-        parts += [total * scale for total in totals.values()]
-        if not parts:
-            return 0.0, 0.0
+        parts += [total * scale for total in [*totals.values(), pushed]]
         gross = [load.gross(self.size) for load in loads] or [self._bending_force(d)]
         largest = max(float(np.abs(parts).max()), *gross, 1e-300)
         left = float(np.abs(np.sum(parts, axis=0)).max())

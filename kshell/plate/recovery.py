@@ -10,6 +10,7 @@ triangle: vertex values come from a linear least-squares fit over the triangles 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from kshell.elements import matrices
 from kshell.elements.reference import VERTICES
-from kshell.material.section import BOTTOM, TOP, Section
+from kshell.material.section import BOTTOM, MIDDLE, TOP, Section
 from kshell.mesh.connected import connected_parts
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending
@@ -219,15 +220,22 @@ class Fields:
 
     def stresses(self, moment: Floats, triangles: Ints, points: Floats) -> tuple[Floats, Floats]:
         """Stresses (n, 3) at the top (z = +t/2) and the bottom from moments (n, 3) at points (n, 2)."""
+        top, bottom = self._stresses((TOP, BOTTOM), moment, triangles, points)
+        return top, bottom
+
+    def _stresses(
+        self, faces: Sequence[int], moment: Floats, triangles: Ints, points: Floats
+    ) -> list[Floats]:
         xy = points[:, None]
         at = points_3d(self.domain, xy)
-        top, bottom = self.section.stress_factors(triangles, at)
-        kappa = -np.linalg.solve(self.bending.at(triangles, xy)[:, 0], moment[:, :, None])
-        both = (top[:, 0] @ kappa)[..., 0], (bottom[:, 0] @ kappa)[..., 0]
+        kappa = np.linalg.solve(self.bending.at(triangles, xy)[:, 0], moment[:, :, None])
+        out = [(self.section.stress(face, triangles, at)[1][:, 0] @ kappa)[..., 0] for face in faces]
         if not self.loads.warmth:
-            return both
-        left = [self.loads.left_stress(face, triangles, xy)[:, 0] for face in (TOP, BOTTOM)]
-        return both[0] + left[0], both[1] + left[1]
+            return out
+        return [
+            stress + self.loads.left_stress(face, triangles, xy)[:, 0]
+            for face, stress in zip(faces, out, strict=True)
+        ]
 
     @cached_property
     def locator(self) -> PlatePoints:
@@ -249,6 +257,14 @@ class Fields:
             distance (n,) to the point used.
         """
         return self.values_at(self.lines.find(points))
+
+    def all_at(self, points: Floats) -> dict[str, Floats]:
+        """As `at`, and stress_middle (n, 3), which layers that warm leave."""
+        found = self.lines.find(points)
+        values = self.values_at(found)
+        if self.section.has_stress:
+            (values["stress_middle"],) = self._stresses((MIDDLE,), values["M"], found.triangles, found.xy)
+        return values
 
     def values_at(self, found: Located) -> dict[str, Floats]:
         """The same at located points."""

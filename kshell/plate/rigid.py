@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.errors import InputError
-from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.plate.conditions import Conditions
@@ -75,7 +74,8 @@ def require_held(
 ) -> list[Hanging]:
     """The motions that springs alone resist; InputError if a piece of the plate can move freely, naming both."""
     mesh = domain.mesh
-    piece_count, piece = pieces(mesh)
+    piece = mesh.sheets
+    piece_count = int(piece.max()) + 1
     gram = np.zeros((piece_count, 3, 3))
     centres, sizes = _extent(mesh, piece, piece_count)
 
@@ -136,16 +136,6 @@ def _hanging(by_conditions: Floats, stiffness: Floats) -> list[Hanging]:
     return out
 
 
-def pieces(mesh: Mesh) -> tuple[int, Ints]:
-    """Number of pieces joined along edges, and the piece of each triangle; no edge has more than two triangles."""
-    n = len(mesh.triangles)
-    last = np.empty(len(mesh.edges), dtype=np.int32)
-    last[mesh.triangle_edges] = np.arange(n, dtype=np.int32)[:, None]
-    # across each edge the other triangle, or the same one at the boundary: links go both ways
-    neighbour = (mesh.edge_owner[:, 0] + last)[mesh.triangle_edges] - np.arange(n, dtype=np.int32)[:, None]
-    return connected_parts(n, np.repeat(np.arange(n), 3), neighbour.ravel())
-
-
 def _extent(mesh: Mesh, piece: Ints, count: int) -> tuple[Floats, Floats]:
     """Centre (piece, 2) and size (piece,) of the pieces."""
     corners = mesh.points[mesh.triangles, :2].reshape(-1, 2)
@@ -181,6 +171,16 @@ def rigid_of_triangles(
         if b > 1:
             out[:, b * v + 1, 1] = out[:, b * v + 2, 2] = 1.0 / size
     out[:, 3 * b :, 1:] = affine.normals / size[:, None, None]
+    return out
+
+
+def rigid_motions(domain: Domain, layout: Layout, centre: Floats, triangles: Ints) -> Floats:
+    """(dof, 3) physical degrees of freedom of w = 1, y - y_c and -(x - x_c) in some triangles, zero elsewhere."""
+    n = len(triangles)
+    about = np.broadcast_to(centre[:2], (n, 2))
+    local = rigid_of_triangles(domain, layout, triangles, about, np.ones(n))  # 1, x - x_c, y - y_c
+    out = np.zeros((layout.count, 3))
+    out[layout.triangle_dofs(triangles)] = np.stack([local[..., 0], local[..., 2], -local[..., 1]], axis=-1)
     return out
 
 

@@ -43,7 +43,7 @@ class CurvedTie(CurvedHold):
         super().__post_init__()
         affine = self.domain.affine(self.patch.triangles)
         at_ends = self.domain.edge_points(self.edges, np.array([0.0, 0.5, 1.0]), np.ones(3), self.side)
-        velocity, bend = self.domain.edge_motion(self.edges, np.array([0.0, 0.5, 1.0]))
+        _, velocity, bend = self.domain.edge_motion(self.edges, np.array([0.0, 0.5, 1.0]))
         n = len(self.edges)
         local = np.argmax(
             self.domain.mesh.triangle_edges[self.patch.triangles] == self.edges[:, None], axis=1

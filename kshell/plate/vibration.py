@@ -14,7 +14,7 @@ from kshell.plate.assembly import assemble, residual
 from kshell.plate.pattern import Pattern
 from kshell.plate.planes import plane_slopes
 from kshell.plate.problem import PlateProblem
-from kshell.plate.rigid import pieces, rigid_of_triangles
+from kshell.plate.rigid import rigid_motions
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +28,8 @@ class Weights:
     """Mass of a plate: total, centre and moments of inertia, of pieces and of the whole."""
 
     def __init__(self, problem: PlateProblem) -> None:
-        self.count, self.piece = pieces(problem.mesh)
+        self.piece = problem.mesh.sheets
+        self.count = int(self.piece.max()) + 1
         z = float(problem.mesh.points[0, 2])
         moments = np.zeros((self.count, 6))  # of 1, x, y, xx, yy, xy
         for patch in problem.domain.patches(4):
@@ -41,7 +42,7 @@ class Weights:
         added = problem.inertia[1:]  # beside that of the material
         for piece in range(self.count) if added else ():
             inside = np.flatnonzero(self.piece == piece)
-            d = rigid_motions(problem, np.zeros(3), inside)  # 1, y, -x
+            d = rigid_motions(problem.domain, problem.layout, np.zeros(3), inside)  # 1, y, -x
             every = np.arange(len(problem.mesh.triangles))
             moving = [residual(added, [], problem.domain, problem.reduction, column, every) for column in d.T]
             one, y, x = d.T @ np.stack(moving, axis=1)
@@ -61,17 +62,6 @@ class Weights:
         return np.array([m[0], m[0], m[0], about_x, about_y, about_x + about_y])
 
 
-def rigid_motions(problem: PlateProblem, centre: Floats, triangles: np.ndarray) -> Floats:
-    """(dof, 3) physical degrees of freedom of the motions of `KINDS` in some triangles, zero elsewhere."""
-    layout = problem.layout
-    n = len(triangles)
-    about = np.broadcast_to(centre[:2], (n, 2))
-    local = rigid_of_triangles(problem.domain, layout, triangles, about, np.ones(n))  # 1, x - x_c, y - y_c
-    out = np.zeros((layout.count, 3))
-    out[layout.triangle_dofs(triangles)] = np.stack([local[..., 0], local[..., 2], -local[..., 1]], axis=-1)
-    return out
-
-
 def rigid_modes_of(problem: PlateProblem, mass: sp.csr_matrix) -> RigidModes:
     """The rigid motions that the supports leave, piece by piece."""
     weights, mesh = Weights(problem), problem.mesh
@@ -84,7 +74,11 @@ def rigid_modes_of(problem: PlateProblem, mass: sp.csr_matrix) -> RigidModes:
         if weights.count > 1:
             where = f" of the piece around {place(corners.mean(axis=0)[:2])}"
         size = float(np.linalg.norm(np.ptp(corners, axis=0)))
-        parts.append(RigidPart(rigid_motions(problem, centre, inside), KINDS, centre, size, where))
+        parts.append(
+            RigidPart(
+                rigid_motions(problem.domain, problem.layout, centre, inside), KINDS, centre, size, where
+            )
+        )
     springs = None
     if problem.supports.springs:
         forms = [form for _, form in problem.supports.springs]
@@ -96,7 +90,7 @@ def participation(problem: PlateProblem, vectors: Floats) -> Participation:
     """Of modes (free, mode) in motions of the whole; a plate has none in its plane."""
     weights = Weights(problem)
     every = np.arange(len(problem.mesh.triangles))
-    motions = rigid_motions(problem, weights.centre(), every)
+    motions = rigid_motions(problem.domain, problem.layout, weights.centre(), every)
     moving = np.stack(
         [residual(problem.inertia, [], problem.domain, problem.reduction, d, every) for d in motions.T],
         axis=1,

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 # what an envelope means nothing of: places and axes
-NO_EXTREMES = ("x", "axis_1", "normal", "distance")
+NO_EXTREMES = ("x", "axis_1", "frame_axis_1", "normal", "distance")
 
 
 def gathered(found: Mapping[str, Result], combinations: Mapping[str, Mapping[str, float]]) -> Result:
@@ -54,6 +54,11 @@ def _said_once(warnings: Mapping[str, Sequence[str]]) -> list[str]:
             cases = ", ".join(f'"{name}"' for name in having)
             out.append(f"{'case' if len(having) == 1 else 'cases'} {cases}: {words}")
     return out
+
+
+def _is_quantity(name: str) -> bool:
+    """Whether one value of it can be more than another."""
+    return name not in NO_EXTREMES and not name.startswith("principal_directions")
 
 
 def envelope_of(values: Sequence[Any], names: Sequence[str]) -> dict[str, Any]:
@@ -90,7 +95,11 @@ class Envelope:
         self._cases, self.names = cases, list(cases)
         results = list(cases.values())
         alike = all(np.array_equal(other.vertex, results[0].vertex) for other in results)
-        shared = [name for name in results[0].fields if alike and all(name in r.fields for r in results)]
+        shared = [
+            name
+            for name in results[0].fields
+            if alike and _is_quantity(name) and all(name in r.fields for r in results)
+        ]
         self.fields: Deferred[dict[str, NDArray[Any]]] = Deferred(
             {name: partial(self._field, name) for name in shared}
         )
@@ -114,7 +123,7 @@ class Envelope:
             out[probe] = {}
             for key in quantities:
                 values = [r.probes[probe].get(key) for r in results]
-                if key not in NO_EXTREMES and all(_numbers(value) for value in values):
+                if _is_quantity(key) and all(_numbers(value) for value in values):
                     out[probe][key] = envelope_of(values, self.names)
         return out
 

@@ -8,31 +8,35 @@ from typing import Any, Generic, TypeVar
 T = TypeVar("T")
 
 
-class Deferred(MutableMapping[str, T]):
+class Deferred(MutableMapping[Any, T]):
     """A dict whose values are made on first use; copied and pickled as the plain dict it stands for.
 
     Parameters
     ----------
-    makers : dict of str to function
+    makers : dict of key to function
         Each returns the value of its key; called once at most.
     """
 
-    def __init__(self, makers: Mapping[str, Callable[[], T]]) -> None:
-        self._values: dict[str, Callable[[], T] | _Made[T]] = dict(makers)
+    def __init__(self, makers: Mapping[Any, Callable[[], T]] | None = None) -> None:
+        self._values: dict[Any, Callable[[], T] | _Made[T]] = dict(makers or {})
 
-    def __getitem__(self, key: str) -> T:
+    def make(self, key: Any, maker: Callable[[], T]) -> None:
+        """Add a value that a function will return."""
+        self._values[key] = maker
+
+    def __getitem__(self, key: Any) -> T:
         found = self._values[key]
         if not isinstance(found, _Made):
             found = self._values[key] = _Made(found())
         return found.value
 
-    def __setitem__(self, key: str, value: T) -> None:
+    def __setitem__(self, key: Any, value: T) -> None:
         self._values[key] = _Made(value)
 
-    def __delitem__(self, key: str) -> None:
+    def __delitem__(self, key: Any) -> None:
         del self._values[key]
 
-    def __iter__(self) -> Iterator[str]:
+    def __iter__(self) -> Iterator[Any]:
         return iter(self._values)
 
     def __len__(self) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from kshell.material.tensors import principal, principal_angle, von_mises
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
+from kshell.result.deferred import Deferred
 from kshell.scene.places import Point, ProbePoint
 
 Floats = NDArray[np.float64]
@@ -19,6 +21,10 @@ Floats = NDArray[np.float64]
 
 class Evaluates(Protocol):
     """Values of a solution at places: arrays with one row per point, by name, `distance` and `triangle` among them."""
+
+    @property
+    def has_sheets(self) -> bool:
+        """Whether sheets with values of their own meet anywhere."""
 
     def at(self, points: Floats) -> dict[str, Floats]:
         """At the nearest points; where sheets meet of that with the largest stress."""
@@ -36,18 +42,19 @@ class Probed:
 
     Attributes
     ----------
-    values : dict of name to dict
+    values : mapping of name to dict
+        Each computed when it is first looked at, unless it is to be warned of.
     sheets : dict of name to dict of surface group to dict
         Of probes where sheets meet, unless they say on which they are.
     warnings : list of str
-    triangles : dict of (name, surface group) to int
+    triangles : mapping of (name, surface group) to int
         Whose the values are; of those in `values` the group is empty.
     """
 
-    values: dict[str, dict[str, Any]] = field(default_factory=dict)
+    values: Deferred[dict[str, Any]] = field(default_factory=Deferred)
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
-    triangles: dict[tuple[str, str], int] = field(default_factory=dict)
+    triangles: Deferred[int] = field(default_factory=Deferred)
 
 
 def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, what: str) -> Probed:
@@ -65,6 +72,11 @@ def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, wha
     for name, given in probes.items():
         point = np.array(given, dtype=float)
         on = given.on if isinstance(given, ProbePoint) else None
+        if on is None and not fields.has_sheets and _near(mesh.points - point, typical):
+            later = _Later(fields, point)
+            out.values.make(name, later.completed)
+            out.triangles.make((name, ""), later.triangle)
+            continue
         found = fields.at(point[None]) if on is None else fields.on(point[None], on)
         values = {key: value[0] for key, value in found.items()}
         out.triangles[name, ""] = int(values["triangle"])
@@ -87,6 +99,28 @@ def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, wha
                 "`sheets`; on = the name of a surface group chooses one"
             )
     return out
+
+
+def _near(offsets: Floats, reach: float) -> bool:
+    """Whether any of some (n, 3) is no longer than that."""
+    return bool((np.einsum("ni,ni->n", offsets, offsets) <= reach**2).any())
+
+
+class _Later:
+    """Values at one point, when they are looked at."""
+
+    def __init__(self, fields: Evaluates, point: Floats) -> None:
+        self._fields, self._point = fields, point
+
+    @cached_property
+    def _values(self) -> dict[str, Any]:
+        return {key: value[0] for key, value in self._fields.at(self._point[None]).items()}
+
+    def completed(self) -> dict[str, Any]:
+        return _completed(self._values)
+
+    def triangle(self) -> int:
+        return int(self._values["triangle"])
 
 
 def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:

@@ -8,7 +8,6 @@ import numpy as np
 
 from kshell.errors import InputError
 from kshell.material.section import shell_section
-from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ def turned(scene: Scene, mesh: Mesh) -> Mesh:
     """
     if scene.top_towards is None:
         return mesh
-    if scene.chart is not None or is_flat(mesh.points):
+    if scene.chart is not None or mesh.is_flat:
         why = (
             "the chart"
             if scene.chart is not None
@@ -57,7 +56,7 @@ def curved(scene: Scene, mesh: Mesh) -> Mesh:
                 f'scene: facets = "curved" is for flat triangles, but {why} ({mesh.source}): leave facets out'
             )
         return mesh
-    if is_flat(mesh.points) or mesh.curving is not None:
+    if mesh.is_flat or mesh.curving is not None:
         return mesh
     from kshell.mesh.curving.decision import curve
 

@@ -188,9 +188,11 @@ class SolveOptions:
     order : "auto", 1, 2, ... 12
         Of the Koiter element, up to 4, and of HHJ plates.
     large_deflection : "auto", True or False
-        "auto": small deflections first, large ones where they differ by more than 1 %.
+        "auto": small deflections first, large ones where they differ by more than 1 %. Of a motion "auto" is large, but
+        for plates (model = "plate", or their elements).
     tolerance : float, optional [1]
-        Relative: the mesh is refined until what is asked for is known that well. Absent: it is solved as given.
+        Relative: the mesh is refined until what is asked for is known that well, with the element that is named or
+        the one that suits. Absent: it is solved as given.
     quantity : str, optional
         What the tolerance is for: "energy", "probes", or the name of one; the probes where there are any if absent.
     limit : str, optional

@@ -29,7 +29,15 @@ from kshell.scene.loads import Load
 from kshell.scene.masses import Mass
 from kshell.scene.motion import damping, initial_displacement, initial_velocity
 from kshell.scene.options import SolveOptions
-from kshell.scene.places import as_point, as_probe
+from kshell.scene.parts import (
+    all_of,
+    as_chart,
+    as_cuts,
+    as_geometry,
+    as_mesh,
+    as_probes,
+    as_top_towards,
+)
 from kshell.scene.reading import inside
 from kshell.scene.sections import (
     as_direction,
@@ -49,63 +57,6 @@ from kshell.values.html import html_table
 from kshell.values.naming import listing, suggestion
 from kshell.values.units import as_units
 from kshell.values.validation import Number, described
-
-
-def _mesh(value: Any) -> Any:
-    if value is None or isinstance(value, int | float) or value == "":
-        raise ValueError("must be the path of a mesh file, or a mesh of kshell, scikit-fem or meshio")
-    return Path(value) if isinstance(value, str | os.PathLike) else value
-
-
-def _geometry(value: Any) -> Any:
-    if value is not None and (not isinstance(value, str | os.PathLike) or value == ""):
-        raise ValueError("must be the path of a geometry file: .geo, .step, .brep or .iges")
-    return None if value is None else Path(value)
-
-
-def _chart(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        from kshell.geometry import ready_chart
-
-        constants = {str(key): part for key, part in value.items() if key != "kind"}
-        if "kind" not in value:
-            raise ValueError('must have a kind, for example {"kind": "cylinder", "R": 25.0}')
-        try:
-            return ready_chart(value["kind"], **constants)
-        except InputError as error:
-            raise ValueError(str(error)) from None
-    if value is not None and not callable(getattr(value, "derivatives", None)):
-        raise ValueError("must be a chart of kshell.geometry such as ks.geometry.Cylinder(R=25)")
-    return value
-
-
-def _top_towards(value: Any) -> Any:
-    """None, a direction, or a dict with the key point."""
-    if isinstance(value, Mapping):
-        if set(value) != {"point"}:
-            raise ValueError("must be a direction [x, y, z] or {point = [x, y, z]}")
-        return {"point": as_point(value["point"])}
-    return None if value is None else as_direction(value, "")
-
-
-def _cuts(value: Any) -> Any:
-    names = (value,) if isinstance(value, str) else value
-    if not isinstance(names, Sequence) or not all(isinstance(name, str) and name for name in names):
-        raise ValueError("must be a group of curves, or a list of them")
-    return tuple(names)
-
-
-def _probes(value: Any) -> Any:
-    if not isinstance(value, Mapping):
-        raise ValueError("must be a dict of name to point (x, y, z)")
-    points = {}
-    for name, point in value.items():
-        try:
-            points[str(name)] = as_probe(point)
-        except ValueError as error:
-            raise ValueError(f'"{name}" = {shown(point)} {error}') from None
-    return points
-
 
 THICKNESS = kinds.by_group(kinds.either(kinds.POSITIVE, kinds.EXPRESSION))
 TOWARDS = kinds.either(kinds.DIRECTION, kinds.table(point=kinds.POINT))
@@ -207,14 +158,14 @@ class Scene:
     ```
     """
 
-    mesh: Annotated[Any, BeforeValidator(_mesh), WithJsonSchema(kinds.PATH)]
+    mesh: Annotated[Any, BeforeValidator(as_mesh), WithJsonSchema(kinds.PATH)]
     thickness: Annotated[Any, BeforeValidator(by_group(as_thickness)), WithJsonSchema(THICKNESS)] = None
     material: Annotated[Any, BeforeValidator(by_group(as_material))] = None
     supports: Any = ()
     loads: Any = ()
-    probes: Annotated[dict[str, Any], BeforeValidator(_probes)] = field(default_factory=dict)
+    probes: Annotated[dict[str, Any], BeforeValidator(as_probes)] = field(default_factory=dict)
     layers: Annotated[Any, BeforeValidator(by_group(as_layers))] = None
-    chart: Annotated[Any, BeforeValidator(_chart)] = None
+    chart: Annotated[Any, BeforeValidator(as_chart)] = None
     offset: Annotated[
         Any, BeforeValidator(by_group(as_offset)), WithJsonSchema(kinds.by_group(kinds.NUMBER))
     ] = 0.0
@@ -226,12 +177,12 @@ class Scene:
     mesh_order: Literal["auto", 1, 2] = "auto"
     facets: Literal["auto", "flat", "curved"] = "auto"
     crease: Number = 30.0
-    top_towards: Annotated[Any, BeforeValidator(_top_towards), WithJsonSchema(TOWARDS)] = None
-    geometry: Annotated[Any, BeforeValidator(_geometry), WithJsonSchema(kinds.PATH)] = None
+    top_towards: Annotated[Any, BeforeValidator(as_top_towards), WithJsonSchema(TOWARDS)] = None
+    geometry: Annotated[Any, BeforeValidator(as_geometry), WithJsonSchema(kinds.PATH)] = None
     cases: Any = ()
     combinations: Any = ()
     lines: Any = ()
-    cuts: Annotated[Any, BeforeValidator(_cuts)] = ()
+    cuts: Annotated[Any, BeforeValidator(as_cuts)] = ()
     masses: Any = ()
     initial_velocity: Any = None
     initial_displacement: Any = None
@@ -252,7 +203,7 @@ class Scene:
             ("lines", Line, "a ks.Line(...)"),
             ("masses", Mass, "a ks.Mass(...)"),
         ):
-            object.__setattr__(self, key, _all_of(getattr(self, key), cls, key, words))
+            object.__setattr__(self, key, all_of(getattr(self, key), cls, key, words))
         if isinstance(self.imperfection, Mapping):
             object.__setattr__(self, "imperfection", Imperfection(**self.imperfection))
         if not isinstance(self.imperfection, Imperfection | None):
@@ -408,14 +359,3 @@ class Scene:
         if Path(path).suffix.lower() != ".toml":
             raise InputError(f"{path}: a scene file ends in .toml")
         return save_scene(self, path)
-
-
-def _all_of(items: Any, cls: type, key: str, words: str) -> tuple[Any, ...]:
-    if isinstance(items, cls):
-        items = (items,)
-    if not isinstance(items, Sequence) or isinstance(items, str):
-        raise InputError(f"scene: {key} = {shown(items)}: must be a list of {key}")
-    for number, item in enumerate(items):
-        if not isinstance(item, cls):
-            raise InputError(f"scene: {key}[{number}] = {shown(item)}: must be {words}")
-    return tuple(items)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.mesh.check import is_flat
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.scene.loads import (
@@ -42,7 +41,7 @@ def contradictions(
     """
     yield from _free_and_held(supports, space)
     yield from wrong_turns([placed.at_time(0.0) for placed in supports], space)
-    flat = is_flat(space.points)
+    flat = space.is_flat
     for load in loads:
         yield from _lost(load, supports, space, flat)
 
@@ -76,7 +75,7 @@ def lost_into_supports(load: Placed[Load], supports: Sequence[Placed[Support]], 
 
     No contradiction as on curves: its reaction is asked for, perhaps.
     """
-    return next(_lost(load, supports, space, is_flat(space.points), (0, 2)), "")
+    return next(_lost(load, supports, space, space.is_flat, (0, 2)), "")
 
 
 def _lost(

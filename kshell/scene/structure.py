@@ -19,7 +19,7 @@ from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.imperfection import Imperfection
-from kshell.scene.jumps import rough_words
+from kshell.scene.jumps import missed_forces, rough_words
 from kshell.scene.loads import Load, PointForce, PointMoment, Pressure, Temperature
 from kshell.scene.mapped import Mapped, keep_resultant
 from kshell.scene.masses import Mass
@@ -49,12 +49,15 @@ class Placed(Generic[T]):
         Whose point it acts on; its place is then that of the link.
     warning : str
         What the user should know about where it acts.
+    missed : float
+        Share of a load that is missed because it changes faster than it is integrated.
     """
 
     item: T
     place: Selection | None
     link: RigidLink | None = None
     warning: str = ""
+    missed: float = 0.0
 
     def members(self, mesh: Mesh) -> NDArray[np.integer]:
         """Numbers of the vertices, edges or triangles it acts on; all triangles where it acts everywhere."""
@@ -155,6 +158,11 @@ class Structure:
         """The same with vertices moved."""
         return replace(self, space=space, section=self.section.on(space))
 
+    @property
+    def missed(self) -> float:
+        """Share of the loads that is missed because they change faster than they are integrated."""
+        return sum(placed.missed for placed in self.loads)
+
     def at_time(self, time: float) -> Structure:
         """The same with loads and prescribed motions as they are at one time."""
         return replace(
@@ -235,9 +243,11 @@ def _warned(
     """A load, with a warning where it goes into supports that hold it, or changes fast inside triangles."""
     now = load.at_time(0.0) if moving else load
     words = lost_into_supports(now, supports, space)
-    if load.item.dimensions == (2,):
-        words = "; ".join(part for part in (words, rough_words(now.item, space, now.members(space))) if part)
-    return replace(load, warning=words) if words else load
+    missed = 0.0
+    if load.item.dimensions in ((1,), (2,)):
+        missed, _ = missed_forces(now.item, space, now.members(space))
+        words = "; ".join(part for part in (words, rough_words(now.item, missed)) if part)
+    return replace(load, warning=words, missed=missed) if words or missed else load
 
 
 def _directions(given: Any, mesh: Mesh) -> Floats | None:

@@ -38,6 +38,27 @@ def answer_linear(problem: ShellProblem, solution: LinearSolution) -> Result:
     )
 
 
+def answer_motion(problem: ShellProblem, x: Floats, work: float, inertia: Floats) -> Result:
+    """The result of small deflections in motion, to which the loads did some work.
+
+    Parameters
+    ----------
+    inertia : (unknowns,)
+        Forces of inertia and damping, which act as loads.
+    """
+    energy, initial = problem.energy, problem.loads.initial
+    strain = energy.linear_strain(x)
+    stress = energy.stress(strain if initial is None else strain - initial)
+    forces = energy.linear_forces(stress) - problem.load - inertia
+    if problem.springs is not None:
+        forces = forces + problem.springs @ x
+    solution = LinearSolution(x, forces, stress, ())
+    loads = [*problem.loads.forces, inertia]
+    result = _answer(problem, solution, small_fields(problem, x, initial), loads, pushed=True)
+    result.external_work = work
+    return result
+
+
 def answer_state(problem: ShellProblem, state: State, work: float, inertia: Floats | None = None) -> Result:
     """The result of one state of large deflections, to which the loads did some work.
 
@@ -98,8 +119,20 @@ def _answer(
     """Result of any solution; forces act at places displaced by `moved`; `pushed`: others than loads act, too."""
     initial, energy = problem.loads.initial, problem.energy
     held_back = None if initial is None else energy.linear_forces(energy.stress(initial))
-    groups, balance = find_reactions(
-        problem.discretisation, problem.supports, solution, loads, problem.reduction, moved, held_back
+    points = [
+        placed.place.members
+        for placed in problem.structure.loads
+        if placed.place is not None and placed.place.dimension == 0
+    ]
+    groups, balance, along = find_reactions(
+        problem.discretisation,
+        problem.supports,
+        solution,
+        loads,
+        problem.reduction,
+        moved,
+        held_back,
+        np.concatenate(points) if points else None,
     )
     energies = _energies(problem, fields.recovery, solution)
     largest = float(np.abs(solution.x / problem.discretisation.unknown_sizes()).max())
@@ -131,6 +164,7 @@ def _answer(
         sheets=probed.sheets,
         probe_triangles=probed.triangles,
         reactions=groups,
+        along_supports=along,
         balance=balance,
         strain_energy=sum(energies.values()),
         energies=energies,

@@ -75,6 +75,11 @@ class ShellFields:
         return self._vertices.fields
 
     @property
+    def has_sheets(self) -> bool:
+        """Whether smooth pieces of the surface meet anywhere."""
+        return self.rows.extra > 0
+
+    @property
     def rows(self) -> Rows:
         """What the rows of `vertex_fields` belong to."""
         return self._vertices.rows

@@ -11,8 +11,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.finite_model import FiniteModel
 from kshell.equilibrium.linear import LinearSolver
-from kshell.equilibrium.model import NO_DENSITY, FiniteModel, Solved
+from kshell.equilibrium.model import NO_DENSITY, Solved
+from kshell.equilibrium.oscillator import Oscillator
 from kshell.equilibrium.problem import Problem, State
 from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
@@ -21,7 +23,15 @@ from kshell.result.result import Result
 from kshell.scene.loads import Load
 from kshell.scene.structure import Placed, Structure
 from kshell.shell import vibration
-from kshell.shell.answer import FRAME, answer_linear, answer_state, probes_of, small_fields, state_fields
+from kshell.shell.answer import (
+    FRAME,
+    answer_linear,
+    answer_motion,
+    answer_state,
+    probes_of,
+    small_fields,
+    state_fields,
+)
 from kshell.shell.problem import ShellProblem
 
 Floats = NDArray[np.float64]
@@ -48,6 +58,7 @@ class ShellModel(FiniteModel):
         self.problem, self.structure, self.reasons = problem, problem.structure, list(reasons)
         self.element, self.order = problem.discretisation.name, problem.discretisation.order
         self._solver: LinearSolver | None = None  # kept for further loads, and duals
+        self._in_motion: dict[str, sp.csr_matrix] = {}  # mass and stiffness, the same under all loads
 
     @property
     def unknowns(self) -> int:
@@ -93,6 +104,19 @@ class ShellModel(FiniteModel):
         if not mass.diagonal().any():
             raise InputError(NO_DENSITY)
         return self.problem.reduction.reduce(mass)
+
+    def oscillator(self) -> Oscillator:
+        problem, energy, kept = self.problem, self.problem.energy, self._in_motion
+        if not kept:
+            kept |= {"mass": self.full_mass(), "stiffness": energy.linear_stiffness()}
+        reduction, free = problem.reduction, problem.loads.initial
+        mass, stiffness, springs = kept["mass"], kept["stiffness"], problem.springs
+        if free is None:
+            return Oscillator(mass, stiffness, springs, reduction.basis, reduction.given, problem.load)
+        stress = energy.stress(free)
+        initial, held = energy.linear_forces(stress), 0.5 * float(np.sum(free * stress))
+        load = problem.load + initial
+        return Oscillator(mass, stiffness, springs, reduction.basis, reduction.given, load, initial, held)
 
     def full_mass(self) -> sp.csr_matrix:
         every = np.arange(len(self.problem.space.triangles))
@@ -187,16 +211,19 @@ class ShellModel(FiniteModel):
 
     def linear_probes(self, solved: Solved) -> dict[str, dict[str, Any]]:
         fields = small_fields(self.problem, solved.x, self.problem.loads.initial)
-        return probes_of(self.problem, fields).values
+        return dict(probes_of(self.problem, fields).values)
 
     def recover_state(self, state: State, work: float, inertia: Floats | None = None) -> Result:
         return answer_state(self.problem, state, work, inertia)
+
+    def recover_motion(self, x: Floats, work: float, inertia: Floats) -> Result:
+        return answer_motion(self.problem, x, work, inertia)
 
     def rigid_motions(self, x: Floats) -> Floats:
         return self.problem.discretisation.rigid_motions(np.zeros(3), 1.0, x)
 
     def state_probes(self, state: State) -> dict[str, dict[str, Any]]:
-        return probes_of(self.problem, state_fields(self.problem, state)).values
+        return dict(probes_of(self.problem, state_fields(self.problem, state)).values)
 
     def fingerprint(self) -> str:
         problem = self.problem

@@ -114,11 +114,11 @@ class ShellProblem:
         out.__dict__.pop("load", None)
         out.structure = structure
         if structure.loads != self.structure.loads:
-            out.loads = apply_loads(structure, self.discretisation, self.energy)
+            out.loads = apply_loads(structure, self.discretisation, self.energy, self.supports.links)
         given = self.reduction.given
         if structure.supports != self.structure.supports:
             supports = apply_supports(structure.supports, self.space, self.discretisation)
-            given = supports.conditions.reduction().given
+            given = with_links(supports.conditions.reduction(), supports.links).given
         if factor != 1.0:
             out.loads = out.loads.times([factor] * len(structure.loads))
         out.reduction = self.reduction._replace(given=factor * given, following=None)

@@ -141,6 +141,7 @@ def test_envelope():
     assert document["case"] == "dead"
     assert list(document["cases"]) == names == ["dead", "snow", "wind", "all"]
     u = document["envelope"]["probes"]["centre"]["u"]
+    assert not [key for key in document["envelope"]["probes"]["centre"] if "directions" in key]
     values = {name: document["cases"][name]["probes"]["centre"]["u"][2] for name in names}
     assert (u["min"][2], u["max"][2]) == (min(values.values()), max(values.values()))
     assert (u["min_case"][2], u["max_case"][2]) == (min(values, key=values.get), max(values, key=values.get))

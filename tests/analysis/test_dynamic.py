@@ -326,8 +326,6 @@ def test_what_cannot_move_is_refused():
         ks.simulate(cases)
     with pytest.raises(ks.InputError, match="tolerance"):
         ks.simulate(cantilever(), tolerance=0.01)
-    with pytest.raises(ks.InputError, match="model"):
-        ks.simulate(cantilever(), model="plate", order="auto")
 
 
 def test_snap_through_ends_in_the_static_state():

@@ -31,6 +31,7 @@ ROWS: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "chart": ({"chart": ks.geometry.Cylinder(R=2.0), "probes": {}}, {}),
     "laminate": ({"layers": LAYERS, "thickness": None, "material": None}, {}),
     "large deflection": ({}, {"large_deflection": True}),
+    "small deflection": ({}, {"large_deflection": False}),
     "cases": ({"cases": CASES}, {}),
     "tolerance": ({}, {"tolerance": 0.3, "limit": "2 s"}),
 }

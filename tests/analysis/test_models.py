@@ -6,8 +6,8 @@ import pytest
 import kshell as ks
 from kshell.analysis.models import build_model, model_of
 from kshell.equilibrium.bifurcation import buckling_modes
+from kshell.equilibrium.finite_model import FiniteModel
 from kshell.equilibrium.linear import LinearSolver
-from kshell.equilibrium.model import FiniteModel
 from kshell.scene.loads import Load, Traction
 from kshell.scene.structure import resolve
 from tests.plate.plates import disk, rectangle

@@ -10,6 +10,7 @@ from kshell.plate.vibration import energies, energy_rounding
 from kshell.solvers.eigen import smallest
 from kshell.solvers.pencil import Pencil
 from kshell.verify.cases import find
+from kshell.verify.cases.meshes import ellipse
 
 NU = 0.3
 SIDES = ("x0", "x1", "y0", "y1")
@@ -332,6 +333,21 @@ def test_intervals_close_at_sharp_corners_whose_triangles_are_tiny():
         # the references are Ritz values whose distance from the limit was estimated
         assert entry["lower"] <= (known.value * (1 + known.uncertainty)) ** 2
         assert entry["upper"] >= (known.value * (1 - 1.5 * known.uncertainty)) ** 2
+
+
+@pytest.mark.parametrize(("order", "reached"), [(1, False), (2, True)])
+def test_edges_known_by_few_nodes_widen_the_intervals(order, reached):
+    """A clamped ellipse 2 : 1 of 4 rings: values of 24 rings, the difference is that of the edges."""
+    known = np.array([749.52417, 1560.0471, 3133.2761])
+    material = ks.Isotropic(E=12 * (1 - NU**2), nu=NU, density=1.0)
+    scene = ks.Scene(
+        mesh=ellipse(4, order, 0.5), thickness=1.0, material=material, supports=[ks.Clamped("edge")]
+    )
+    result = ks.modes(scene, count=3, tolerance=1e-3)
+    lower, upper = (np.array([e[end] for e in result.eigen]) for end in ("lower", "upper"))
+    assert ((lower < known) & (known < upper)).all()
+    assert result.error["budget"]["geometry"] > 1e-5
+    assert ("more nodes along its curved edges" not in result.error.get("why_not", "")) == reached
 
 
 def test_rounding_of_energies_bounds_what_is_seen():

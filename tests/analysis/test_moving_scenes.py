@@ -80,3 +80,14 @@ def test_the_slits_open():
     assert abs(found.fields["displacement"][:, 2]).max() > 0.003
     assert found.reactions["right"]["force"][0] < 0.4 * whole
     assert found.path[-1]["stable"]
+
+
+def test_the_plate_under_a_blast_swings_about_zero():
+    """The impulse of a short blast over the modal mass, against the first mode's frequency."""
+    found = ks.simulate(scene("plate_shock"), time=0.012)
+    assert found.model["kind"] == "plate"
+    z = found.history["probes"]["centre"]["u"][:, 2]
+    stiffness, mass = 210e9 * 0.02**3 / 12 / (1 - 0.3**2), 7850 * 0.02
+    first = 2 * np.pi**2 * np.sqrt(stiffness / mass)
+    static = 20e3 * 16 / np.pi**2 / mass / first**2
+    assert np.abs(z).max() == pytest.approx(1.51 * static, rel=0.03)  # 2 under a load that stays

@@ -89,6 +89,20 @@ def test_plates_have_the_stresses_that_layers_keep(element):
         )
 
 
+@pytest.mark.parametrize("element", ["argyris", "hhj"])
+def test_values_anywhere_on_a_plate_are_those_of_a_shell(element):
+    """Also what a plate does not carry, and the stress that layers keep in the middle."""
+    scene = layered(0, 90, 0, loads=[ks.Temperature(mean=20.0, gradient=1e4)])
+    plate, shell = (
+        ks.solve(scene, large_deflection=False, error="off", **how)
+        for how in ({"element": element, "model": "plate"}, {"model": "shell"})
+    )
+    here, there = (result.at([SIZE / 3, SIZE / 3, 0.0]) for result in (plate, shell))
+    assert np.abs(here["stress_middle"]).max() > 1e5
+    for key in ("stress_top", "stress_middle", "stress_bottom", "N"):
+        assert here[key] == pytest.approx(there[key], rel=1e-5, abs=10.0)
+
+
 def test_the_expansion_of_the_load_goes_before_that_of_the_material():
     given = ks.solve(
         square(loads=[ks.Temperature(mean=10, expansion=1e-5)]), large_deflection=False, error="off"

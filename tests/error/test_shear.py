@@ -171,3 +171,53 @@ def test_shear_moduli_that_are_guessed_are_told(moduli, words, layers):
     )
     off = ks.solve(scene, error="off")
     assert not any(reason.startswith("shear:") for reason in off.model["reasons"])
+
+
+def supported(t, **options):
+    """A supported square without loads, E = density = 1."""
+    steel = ks.Isotropic(E=1.0, nu=0.3, density=1.0)
+    scene = square(ks.SimplySupported, t, False, 6, thickness=t, material=steel)
+    return dataclasses.replace(scene, loads=[], solve=options)
+
+
+def stiffness(t):
+    """D and S of its section."""
+    return t**3 / 12 / 0.91, 5 / 6 * t / 2.6
+
+
+def with_shear(k2, t):
+    """omega^2 of the waves (m^2 + n^2) pi^2 = k2 with shear and rotary inertia (Mindlin 1951), over that without."""
+    d, s = stiffness(t)
+    a, b, c = t * t**3 / 12, t * (d * k2 + s) + s * k2 * t**3 / 12, s * k2 * d * k2
+    return (b - np.sqrt(b**2 - 4 * a * c)) / (2 * a) / (d * k2**2 / t)
+
+
+def test_frequencies_that_shear_and_rotary_inertia_lower():
+    t = 0.1
+    with pytest.warns(
+        ks.KshellWarning, match="too thick for this theory: transverse shear and rotary inertia"
+    ):
+        result = ks.modes(supported(t), count=3)
+    assert result.error["budget"]["shear"] == pytest.approx(1 - with_shear(2 * np.pi**2, t), rel=0.03)
+    (words,) = [w for w in result.warnings if "too thick" in w]
+    last = float(words.split("last by ")[1].split("%")[0]) / 100
+    assert last == pytest.approx(1 - np.sqrt(with_shear(5 * np.pi**2, t)), rel=0.05)
+
+
+def test_factors_that_shear_lowers():
+    """A heated square buckles at N_x = N_y = 2 pi^2 D, with shear at that over 1 + 2 pi^2 D / S."""
+    scene = dataclasses.replace(
+        supported(0.1), supports=[ks.Fixed("edge", "xyz")], loads=[ks.Temperature(mean=1.0, expansion=1e-6)]
+    )
+    with pytest.warns(ks.KshellWarning, match="too thick for this theory: transverse shear, left out"):
+        result = ks.buckling(scene, count=1)
+    d, s = stiffness(0.1)
+    known = 1 - 1 / (1 + 2 * np.pi**2 * d / s)
+    assert result.error["budget"]["shear"] == pytest.approx(known, rel=1e-3)
+
+
+def test_thin_plates_say_nothing_of_shear_in_their_modes():
+    result = ks.modes(supported(0.01), count=2)
+    assert 0 < result.error["budget"]["shear"] < 2e-3
+    assert not any("shear" in words for words in result.warnings)
+    assert ks.modes(supported(0.1), count=2, error="off").error["budget"]["shear"] is None

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
-from kshell.material.section import plate_section
+from kshell.material.section import BOTTOM, TOP, plate_section
 from tests.scene.fabricated import square_mesh
 
 STEEL = ks.Isotropic(E=210e9, nu=0.3, density=7850)
@@ -34,7 +34,7 @@ def test_stress_is_twelve_moment_z_over_thickness_cubed(mesh):
     curvature = np.array([0.3, -0.2, 0.7])
     moment = -section.bending(triangles, points) @ curvature
     t = section.thickness(triangles, points)[..., None]
-    top, bottom = section.stress_factors(triangles, points)
+    top, bottom = (-section.stress(face, triangles, points)[1] for face in (TOP, BOTTOM))
     np.testing.assert_allclose(top @ curvature, 6 * moment / t**2, rtol=1e-12)
     np.testing.assert_allclose(bottom @ curvature, -6 * moment / t**2, rtol=1e-12)
 
@@ -74,7 +74,7 @@ def test_laminate(mesh):
     assert section.bending(triangles, points).shape == (32, 1, 3, 3)
     np.testing.assert_allclose(section.thickness(triangles, points), 3.0)
     np.testing.assert_allclose(section.mass(triangles, points), 4.8)
-    top, bottom = section.stress_factors(triangles, points)
+    top, bottom = (-section.stress(face, triangles, points)[1] for face in (TOP, BOTTOM))
     np.testing.assert_allclose(top[0, 0], -1.5 * CARBON.plane_stress())
     np.testing.assert_allclose(bottom, -top)
     single = plate_section(mesh, layers=[ks.Layer(CARBON, 2.0, 30)])

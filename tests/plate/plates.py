@@ -107,6 +107,30 @@ def ellipse_centre(long: float = 1.5) -> float:
     return 1.0 / (24.0 / long**4 + 16.0 / long**2 + 24.0)
 
 
+EGG_LOAD = (
+    "64 + 32*x + 8*x**2/3 + 16*y**2/3"  # D = 1: the clamped egg deflects by (1 - x^2 - y^2 (1 + x / 3))^2
+)
+
+
+def egg(rings: int, order: int = 1) -> Mesh:
+    """A disk drawn to the curve x^2 + y^2 (1 + x / 3) = 1, which is no conic."""
+    mesh = disk(rings, order)
+
+    def drawn(points: Any) -> Any:
+        out = np.array(points)
+        r = np.linalg.norm(out, axis=1)
+        cosine, sine = (out[:, :2] / np.maximum(r, 1e-300)[:, None]).T
+        on = np.ones(len(out))
+        for _ in range(50):  # r^2 + r^3 sin^2 cos / 3 = 1
+            cube = sine**2 * cosine / 3
+            on -= (on**2 + cube * on**3 - 1) / (2 * on + 3 * cube * on**2)
+        out[:, :2] *= on[:, None]
+        return out
+
+    middle = None if mesh.midpoints is None else drawn(mesh.midpoints)
+    return Mesh(drawn(mesh.points), mesh.triangles, middle, mesh.groups)
+
+
 def solve(
     mesh: Mesh, supports: list[Any], loads: list[Any], element: str = "argyris", **scene: Any
 ) -> Result:

@@ -11,7 +11,7 @@ from kshell.elements.jets import legendre
 from kshell.elements.morley import ElementMorley
 from kshell.elements.quadrature import triangle_rule
 from kshell.plate.hhj import LARGEST_ORDER
-from kshell.plate.hhj.tables import canonical, edge_points
+from kshell.plate.hhj.tables import canonical, edge_points, tables
 from kshell.plate.problem import PlateProblem
 from kshell.scene.structure import resolve
 from tests.plate.hhj_cases import MATERIAL, hhj, nearest, problem, square
@@ -25,6 +25,9 @@ def test_orthonormal_basis(degree):
     points, weights = triangle_rule(2 * degree + 2)
     values = orthonormal(degree, points)
     assert np.abs(values.T @ (weights[:, None] * values) - np.eye(values.shape[1])).max() < 1e-13
+    random = np.random.default_rng(0).uniform(-0.2, 1.2, (4, 5, 2))  # outside, too, and in any shape
+    jets = orthonormal_jets(degree, random)[0]
+    assert np.abs(orthonormal(degree, random) - jets).max() < 1e-12 * np.abs(jets).max()
 
 
 @pytest.mark.parametrize("jets", [orthonormal_jets, hierarchic_jets])
@@ -53,6 +56,22 @@ def test_hierarchic_basis_spans_the_polynomials_and_its_bubbles_differ_by_legend
         along = np.tensordot(np.array(direction), jets[1:3], axes=1)
         bubbles = slice(3 + edge * (order - 1), 3 + (edge + 1) * (order - 1))
         assert np.abs(along[:, bubbles] - legendre(order, s)[:, 1:order]).max(initial=0.0) < 1e-12
+
+
+@pytest.mark.parametrize("order", [1, 3, 8, 12])
+def test_tables_have_the_functions_at_any_points(order):
+    table = tables(order)
+    points = np.random.default_rng(0).uniform(0, 0.5, (30, 2))
+    jets = hierarchic_jets(order, points)
+    found = [table.inside(points)[None], table.gradients(points).swapaxes(0, 1)]
+    found.append(orthonormal(order, points) @ table.jets[3:])
+    for values, exact in zip(np.concatenate(found), jets, strict=True):
+        assert np.abs(values[:, table.deflection] - exact).max() <= 1e-12 * np.abs(exact).max()
+        assert np.delete(values, table.deflection, axis=1).max(initial=0.0) == 0.0
+    psi = orthonormal_jets(order - 1, points)
+    assert np.abs(table.moment_functions(points) - psi[0]).max() < 1e-12 * np.abs(psi[0]).max()
+    slopes = table.moment_gradients(points).swapaxes(0, 1)
+    assert np.abs(slopes - psi[1:3]).max() <= 1e-12 * np.abs(psi[1:3]).max()
 
 
 @pytest.mark.parametrize("order", [2, 3, 4])

@@ -27,6 +27,7 @@ EXPECTED_WARNINGS = (
     "planes of symmetry hold the motion",
     "beyond any linear theory",  # unit loads on unit moduli
     "more than any material bears",
+    "too thick for this theory",  # NAFEMS FV22, which says by how much
     "that none was missed is not checked",  # where no back end that counts eigenvalues is installed
 )
 
@@ -70,7 +71,9 @@ def test_enough_cases():
         methods = {run.method for run in case.runs}
         if case.family in SHELLS:
             assert "koiter3" in methods
-        else:
+        elif (
+            case.id != "buckling.strip.tip"
+        ):  # held against turning at a point, which Morley elements are not
             assert methods >= {"argyris", "morley"}
 
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.equilibrium.motion.integrator import Integrator
 from kshell.equilibrium.motion.state import Motion
-from kshell.equilibrium.motion.steps import Integrator
 
 Floats = NDArray[np.float64]
 
@@ -62,15 +62,11 @@ class Observer:
         self.rows: list[Floats] = []
         self._last: Observed | None = None
 
-    def acceleration(self, motion: Motion) -> Floats:
-        """(unknowns,) that loads, strains and damping exert."""
-        return self.integrator.by_mass(motion.force)
-
     def see(self, motion: Motion) -> None:
         """Another row."""
         mass = self.integrator.mass
         rigid = self.rigid(motion.x)
-        inertia = mass @ self.acceleration(motion)
+        inertia = mass @ self.integrator.accelerated(motion)
         held = motion.force - inertia  # less what supports exert
         barrier = self.integrator.barrier
         pressing = {} if barrier is None else barrier.on_obstacles(motion.x)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.equilibrium.motion.integrator import Integrator
 from kshell.equilibrium.motion.state import Motion
-from kshell.equilibrium.motion.steps import Integrator
 from kshell.errors import SolveError
 
 Floats = NDArray[np.float64]
@@ -21,10 +21,16 @@ Floats = NDArray[np.float64]
 # steps of a period of the first mode, and the error of such a step by generalised alpha, (2 pi / 40)^3 C
 PER_PERIOD = 40
 ALLOWED = 5.5e-4
-# part of the allowed error below which steps grow, by how much, and above which one is taken again
-CALM, GROWTH, AGAIN = 0.2, 1.25, 2.0
+# part of the allowed error below which steps grow, and by how much; where few sizes are wanted
+GROWTH, GROWTH_OF_FEW = (0.2, 1.25), (0.1, 2.0)
+# part of the allowed error above which a step is taken again
+AGAIN = 2.0
 # a step is given up at this part of the first, and may grow to this part of the time
 SMALLEST, LARGEST = 1.0 / 64.0, 0.05
+# part of a step by which another of the same size may differ, by rounding: matrices of one size serve again
+ALIKE = 1e-9
+# steps before the end that are made alike, where few sizes are wanted
+NEAR = 3
 # iterations after which a step that was cut may grow again
 EASY = 6
 
@@ -71,6 +77,7 @@ class TimeSteps:
     ) -> None:
         self.integrator, self.end, self.first, self.fixed = integrator, end, step, fixed
         self.frequency = frequency
+        self._few = integrator.few_sizes and not fixed
 
     def begin(self, motion: Motion) -> Going:
         """From a motion."""
@@ -92,6 +99,8 @@ class TimeSteps:
         while True:
             left = self.end - motion.time
             h = left / np.ceil(left / size - 1e-9)  # the last steps are alike
+            if abs(h - size) <= ALIKE * size or (self._few and left > NEAR * size):
+                h = size
             try:
                 found = self.integrator.step(motion, h)
             except SolveError as error:
@@ -117,7 +126,8 @@ class TimeSteps:
             return size
         if self.fixed:
             return min(2.0 * size, self.first)
-        return min(GROWTH * size, LARGEST * self.end) if error < CALM * ALLOWED else size
+        calm, growth = GROWTH_OF_FEW if self._few else GROWTH
+        return min(growth * size, LARGEST * self.end) if error < calm * ALLOWED else size
 
     def _error(self, before: Motion, after: Motion, h: float) -> float:
         return self.integrator.error * h**2 * self._norm(after.acceleration - before.acceleration)

@@ -16,6 +16,7 @@ euler   implicit Euler, of order 1: for what is to come to rest
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -131,3 +132,6 @@ def _backward(d: float, x: Floats, v: Floats) -> Rule:
 def earlier(motion: Motion, step: float) -> Before:
     """What a motion leaves for the step after the next."""
     return Before(motion.x, motion.velocity, step)
+
+
+SCHEMES: dict[str, Callable[[], Scheme]] = {"alpha": Alpha, "bdf2": Bdf2, "euler": Euler}

@@ -18,27 +18,22 @@ from kshell.equilibrium.contact.barrier import Barrier
 from kshell.equilibrium.energy import inelastic_of
 from kshell.equilibrium.minimise import minimise
 from kshell.equilibrium.motion.energies import Fading, Middle, Shifted, stored
-from kshell.equilibrium.motion.schemes import Alpha, Bdf2, Euler, Scheme, earlier
+from kshell.equilibrium.motion.integrator import Integrator
+from kshell.equilibrium.motion.schemes import earlier
 from kshell.equilibrium.motion.state import Before, Motion
 from kshell.equilibrium.newton import correct
 from kshell.equilibrium.problem import Problem, State
-from kshell.errors import InputError, SolveError
+from kshell.errors import SolveError
 
 Floats = NDArray[np.float64]
 
-# part of an initial displacement that supports may hold, which is rounding
-HELD = 1e-9
 # share of step^2 times the stiffness beside the mass in the first acceleration of what is bent by hand: beta of alpha
 UNRESOLVED = 0.31
 # what the factorisation and patterns of one step leave for the next
 KEPT = ("_factoriser", "_springs_added", "_load_added")
-ENERGY_MOMENTUM = "em"
-SCHEMES: dict[str, Callable[[], Scheme]] = {"alpha": Alpha, "bdf2": Bdf2, "euler": Euler}
-# error of a step of `em`, as `Scheme.error`
-MIDDLE_ERROR = 1.0 / 12.0
 
 
-class Integrator:
+class FiniteIntegrator(Integrator):
     """Time steps of a structure under finite deformation.
 
     Parameters
@@ -64,52 +59,13 @@ class Integrator:
         drag: float = 0.0,
         barrier: Barrier | None = None,
     ) -> None:
-        self.loaded, self.viscosity, self.drag = loaded, viscosity, drag
-        self.mass, self.barrier = mass.tocsr(), barrier
-        self.mass.sum_duplicates()
-        self.scheme: Scheme | None = None if scheme == ENERGY_MOMENTUM else SCHEMES[scheme]()
-        self.massive = self.mass.diagonal() > 0.0
+        first = loaded(0.0)
+        super().__init__(mass, first.reduction.basis, scheme, viscosity, drag)
+        self.loaded, self.barrier = loaded, barrier
         self._kept: dict[str, Any] = {}
-        self._relaxes = bool(getattr(loaded(0.0).energy, "relaxation", ()))
-        self._basis = loaded(0.0).reduction.basis
-        reduced = (self._basis.T @ self.mass @ self._basis).tocsc()
-        self._moving = np.flatnonzero(reduced.diagonal() > 0.0)
-        self._solve = None
-        if len(self._moving):
-            from scipy.sparse.linalg import splu
-
-            self._solve = splu(reduced[self._moving][:, self._moving]).solve
-
-    @property
-    def error(self) -> float:
-        """The error of a step is about this times step^2 times the change of the acceleration."""
-        return MIDDLE_ERROR if self.scheme is None else self.scheme.error
-
-    @property
-    def end_share(self) -> float:
-        """Share of the force at the end of a step in its impulse."""
-        return 0.5 if self.scheme is None else self.scheme.end_share
-
-    def by_mass(self, force: Floats) -> Floats:
-        """(unknowns,) the motion that the mass turns into a force on what is free: velocity of a momentum."""
-        out = np.zeros(self._basis.shape[1])
-        if self._solve is not None:
-            out[self._moving] = self._solve((self._basis.T @ force)[self._moving])
-        return np.where(self.massive, self._basis @ out, 0.0)
+        self._relaxes = bool(getattr(first.energy, "relaxation", ()))
 
     def start(self, momentum: Floats | None = None, x: Floats | None = None, size: float = 0.0) -> Motion:
-        """The motion at the time 0, at rest or with a momentum (unknowns,), and where it is if not as meshed.
-
-        What is bent by hand has accelerations without bound as the mesh gets finer: of vibrations that a step does not
-        resolve, `size` long, they are those that the step makes of them.
-
-        Raises
-        ------
-        InputError
-            If x moves what supports hold.
-        SolveError
-            If rotations do not find their places.
-        """
         problem = self.loaded(0.0)
         still = np.zeros(problem.energy.unknowns)
         velocity = still if momentum is None else self.by_mass(momentum)
@@ -124,29 +80,13 @@ class Integrator:
 
     def _displaced(self, problem: Problem, x: Floats) -> State:
         """The state with displacements x, rotations in equilibrium."""
-        from scipy.sparse.linalg import spsolve
-
-        basis = self._basis.tocsc()
-        moving = basis[:, self._moving]
-        reached = moving @ spsolve((moving.T @ moving).tocsc(), moving.T @ x)
-        off = np.abs(np.where(self.massive, reached - x, 0.0)).max()
-        if off > HELD * np.abs(x).max():
-            raise InputError(
-                f"initial displacement: it moves what supports hold, by up to {off:.3g}: make it zero there"
-            )
+        basis, reached = self._basis.tocsc(), self.reached(x)
         rest = np.setdiff1d(np.arange(basis.shape[1]), self._moving)
         turning = problem.reduction._replace(basis=basis[:, rest], given=np.zeros_like(x), following=None)
         state = State(0.0, reached, problem.energy.rest)
         return replace(minimise(replace(problem, reduction=turning), state, 1.0), iterations=0)
 
     def step(self, motion: Motion, size: float) -> Motion:
-        """The motion a step later.
-
-        Raises
-        ------
-        SolveError
-            If the step has no answer; a shorter one may.
-        """
         return (self._middle if self.scheme is None else self._end)(motion, size)
 
     def _end(self, motion: Motion, size: float) -> Motion:

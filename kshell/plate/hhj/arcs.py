@@ -17,23 +17,60 @@ L          factor of the mass matrix of psi over the true region, L L^T; the roo
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements.hierarchic import hierarchic_jets, orthonormal, polynomial_count
+from kshell.elements.hierarchic import orthonormal, polynomial_count
 from kshell.elements.jets import legendre
 from kshell.elements.quadrature import interval_rule
 from kshell.plate.domain import Patch
 from kshell.plate.hhj.geometry import GRADIENTS, Triangles
-from kshell.plate.hhj.tables import tables
+from kshell.plate.hhj.tables import Tables, tables
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 BLOCK = 256  # triangles whose functions are tabulated at a time
 BEYOND = 8  # points along an arc more than the order
+
+
+@dataclass(frozen=True)
+class Alongside:
+    """Points along curved edges.
+
+    Attributes
+    ----------
+    speed : (n, point, 2) array
+        gamma'.
+    psi : (n, point, k) array
+        Of the degree of w.
+    polynomials : (point, order + 1) array
+        Legendre's.
+    weights : (point,) array
+    tables : Tables
+    inverse : (n, 2, 2) array
+        Of the triangles.
+    """
+
+    speed: Floats
+    psi: Floats
+    polynomials: Floats
+    weights: Floats
+    tables: Tables
+    inverse: Floats
+
+    @cached_property
+    def gradient(self) -> Floats:
+        """(2, n, point, m) of w's functions, by reference coordinates."""
+        return np.stack([self.psi @ table for table in self.tables.jets[1:3]])
+
+    def derivative(self, direction: Floats) -> Floats:
+        """(n, point, m) derivatives of w along vectors (n, point, 2)."""
+        a, b = (direction @ self.inverse.swapaxes(1, 2)).transpose(2, 0, 1)[..., None]
+        return a * self.gradient[0] + b * self.gradient[1]
 
 
 class Arcs:
@@ -54,6 +91,8 @@ class Arcs:
         Which edges are curved.
     pure : (c, 3) bool array
         Which of them have alpha itself as their slope.
+    pairs, pair_edges : (pair,) int arrays
+        Places of triangles and local edges of all curved edges.
     back : (c, m, m) array
         Inverse of G.
     planes : (c, m, 3) array
@@ -72,6 +111,7 @@ class Arcs:
         where = np.minimum(curves.place(edges), len(curves.edges) - 1)
         self.bent = (curves.edges[where] == edges) & curves.curved[where]
         self.pure = self.bent & np.isin(edges, held_slopes)
+        self.pairs, self.pair_edges = np.nonzero(self.bent)
         self._functionals()
 
     def _functionals(self) -> None:
@@ -80,42 +120,36 @@ class Arcs:
         g = np.repeat(np.eye(t.count)[None], n, axis=0)
         self.planes = np.zeros((n, t.count, 3))
         self.planes[:, :3] = np.eye(3)
-        plane_slopes = self.straight.plane_slopes[self.triangles]
-        s, ws = interval_rule(self.order + BEYOND)
+        self.planes[:, 3 * self.order :: self.order][:, :3] = self.straight.plane_slopes[self.triangles]
+        at, edges, along = self.pairs, self.pair_edges, self._alongside
         k = np.arange(self.order)
-        polynomials = legendre(self.order, s) * ws[:, None]
-        for edge in range(3):
-            self.planes[:, t.slopes(edge).start] = plane_slopes[:, edge]
-            here = np.flatnonzero(self.bent[:, edge])
-            if not len(here):
-                continue
-            _, speed, jets = self._along(here, edge, s)
-            along = self._gradient(here, jets, speed)  # (n, point, m)
-            scale = 2 * k[1:, None] + 1
-            g[here, t.bubbles(edge)] = scale * (polynomials[:, 1 : self.order].T @ along)
-            self.planes[here, t.bubbles(edge)] = g[here, t.bubbles(edge), :3]
-            self.planes[here, t.slopes(edge)] = 0.0
-            pure = np.flatnonzero(self.pure[here, edge])
-            slope = self._plane(here, speed)[pure]
-            self.planes[here[pure], t.slopes(edge)] = (2 * k[:, None] + 1) * (
-                polynomials[:, : self.order].T @ slope
-            )
+        polynomials = along.polynomials[:, : self.order] * along.weights[:, None]
+        bubbles = at[:, None], 3 + edges[:, None] * (self.order - 1) + k[:-1]
+        by_s = along.derivative(along.speed)  # (pair, point, m)
+        g[bubbles] = (2 * k[1:, None] + 1) * (polynomials[:, 1:].T @ by_s)
+        self.planes[bubbles] = g[bubbles][..., :3]
+        slopes = at[:, None], 3 * self.order + edges[:, None] * self.order + k
+        self.planes[slopes] = 0.0
+        pure = np.flatnonzero(self.pure[at, edges])
+        if len(pure):
+            slope = self._plane(at[pure], along.speed[pure])
+            self.planes[at[pure, None], slopes[1][pure]] = (2 * k[:, None] + 1) * (polynomials.T @ slope)
         self.back: Floats = np.linalg.inv(g).astype(np.float64)
 
-    def _along(self, here: Ints, edge: int, s: Floats) -> tuple[Floats, Floats, Floats]:
-        """Points (n, point, 2) of curved edges, gamma' there, and jets (6, n, point, function) of w's functions."""
-        chosen = self.triangles[here]
-        numbers = self.straight.edges[chosen, edge]
-        xy = self.domain.edge_points(numbers, s, s).xy
-        speed = self.domain.edge_motion(numbers, s)[0]
-        return xy, speed, hierarchic_jets(self.order, self.straight.reference(xy, chosen))
+    @cached_property
+    def _alongside(self) -> Alongside:
+        """Gauss points of all curved edges, for `_functionals` and `rows`."""
+        s, weights = interval_rule(self.order + BEYOND)
+        return self._along(self.pairs, self.pair_edges, s, weights)
 
-    def _gradient(self, here: Ints, jets: Floats, direction: Floats) -> Floats:
-        """(n, point, m) derivatives of w along vectors (n, point, 2)."""
-        reference = direction @ self.straight.inverse[self.triangles[here]].swapaxes(1, 2)
-        out = np.zeros((*direction.shape[:2], self.tables.count))
-        out[..., self.tables.deflection] = reference[..., :1] * jets[1] + reference[..., 1:] * jets[2]
-        return out
+    def _along(self, here: Ints, edge: Ints | int, s: Floats, weights: Floats) -> Alongside:
+        """Points of curved edges of some triangles."""
+        chosen = self.triangles[here]
+        xy, speed = self.domain.edge_motion(self.straight.edges[chosen, edge], s)[:2]
+        psi = orthonormal(self.order, self.straight.reference(xy, chosen))
+        return Alongside(
+            speed, psi, legendre(self.order, s), weights, self.tables, self.straight.inverse[chosen]
+        )
 
     def _plane(self, here: Ints, speed: Floats) -> Floats:
         """(n, point, 3) alpha of the hats along curved edges."""
@@ -125,7 +159,7 @@ class Arcs:
     def slope_rows(self, here: Ints, edge: int, s: Floats) -> Floats:
         """(n, point, m) alpha at points of a curved edge, from c."""
         t = self.tables
-        speed = self.domain.edge_motion(self.straight.edges[self.triangles[here], edge], s)[0]
+        speed = self.domain.edge_motion(self.straight.edges[self.triangles[here], edge], s)[1]
         out = np.zeros((len(here), len(s), t.count))
         out[..., t.slopes(edge)] = legendre(self.order - 1, s)
         free = ~self.pure[here, edge]
@@ -134,9 +168,7 @@ class Arcs:
 
     def deflection_rows(self, here: Ints, edge: int, s: Floats) -> Floats:
         """(n, point, m) w at points of a curved edge, from c."""
-        out = np.zeros((len(here), len(s), self.tables.count))
-        out[..., self.tables.deflection] = self._along(here, edge, s)[2][0]
-        return out
+        return self._along(here, edge, s, s).psi @ self.tables.jets[0]
 
     def patch(self, place: Ints, degree: int) -> tuple[Patch, Floats]:
         """Quadrature over the true region of some of the triangles, and its reference coordinates here."""
@@ -145,27 +177,29 @@ class Arcs:
         return patch, self.straight.reference(patch.xy, chosen)
 
     @cached_property
-    def _bulk(self) -> tuple[Floats, Floats]:
-        """L (c, k, k), and (c, 3, k, m) integrals of psi with second derivatives 11, 22, 12, from c."""
+    def _bulk(self) -> tuple[Floats, Floats, Floats]:
+        """L^-1 (c, k, k), (c, 3, k, m) integrals of psi with second derivatives 11, 22, 12, and (c, m) of w, from c."""
         t, n, k = self.tables, len(self.triangles), polynomial_count(self.order - 1)
-        low, integrals = np.empty((n, k, k)), np.zeros((n, 3, k, t.count))
+        mass = np.empty((n, k, polynomial_count(self.order)))
         for start in range(0, n, BLOCK):
             place = np.arange(start, min(start + BLOCK, n))
             patch, xi = self.patch(place, 2 * self.order)
-            psi = orthonormal(self.order - 1, xi)
-            weighted = (psi * patch.weights[..., None]).swapaxes(1, 2)
-            low[place] = np.linalg.cholesky(weighted @ psi)
-            second = hierarchic_jets(self.order, xi)[3:]
-            for component in range(3):
-                integrals[place[:, None, None], component, np.arange(k)[:, None], t.deflection] = (
-                    weighted @ second[component]
-                )
-        return low, integrals
+            psi = orthonormal(self.order, xi)
+            weighted = (psi[..., :k] * patch.weights[..., None]).swapaxes(1, 2)
+            mass[place] = weighted @ psi
+        low = np.linalg.inv(np.linalg.cholesky(mass[..., :k]))
+        second = mass[:, None] @ t.jets[3:]
+        return low, second, (mass[:, 0] / np.sqrt(2.0)) @ t.jets[0]  # psi_0 is the root of 2
 
     @property
-    def low(self) -> Floats:
-        """L (c, k, k)."""
+    def up(self) -> Floats:
+        """L^-1 (c, k, k)."""
         return self._bulk[0]
+
+    @property
+    def integrals(self) -> Floats:
+        """(c, m) integrals of w, from c."""
+        return self._bulk[2]
 
     def rows(self, strain_map: Floats, factor: Floats) -> Floats:
         """(c, 3 k, m) l as a matrix on the unknowns.
@@ -178,34 +212,33 @@ class Arcs:
             B.
         """
         t, straight = self.tables, self.straight
-        low, integrals = self._bulk
-        n, k = len(low), low.shape[1]
+        up, second, _ = self._bulk
+        n, k = len(up), up.shape[1]
+        at, edges, along = self.pairs, self.pair_edges, self._alongside
+        left = along.derivative(_across(along.speed))  # (pair, point, m)
+        free = np.flatnonzero(~self.pure[at, edges])
+        slopes = 3 * self.order + edges[:, None] * self.order + np.arange(self.order)
+        left[np.arange(len(at))[:, None], :, slopes] -= along.polynomials[:, : self.order].T
+        left[free, :, :3] -= self._plane(at[free], along.speed[free])
+        nx, ny = _across(along.speed / np.hypot(along.speed[..., :1], along.speed[..., 1:])).transpose(
+            2, 0, 1
+        )
+        outer = np.stack([nx * nx, ny * ny, 2 * nx * ny], axis=1)  # (pair, component, point)
+        outer *= (along.weights * straight.outward[self.triangles[at], edges, None])[:, None]
+        test = outer[:, :, None] * along.psi[..., :k].swapaxes(1, 2)[:, None]  # (pair, component, psi, point)
+        on_edges = (test.reshape(len(at), 3 * k, -1) @ left).reshape(len(at), 3, k, t.count)
+        components = (straight.curvature_map[self.triangles] @ second.reshape(n, 3, -1)).reshape(second.shape)
+        np.subtract.at(components, at, on_edges)
+        # straight edges, and what B makes of the rest
         root = np.sqrt(straight.area[self.triangles])[:, None, None]
-        edges = strain_map[self.triangles] * root
-        edges[..., :3] = 0.0
-        for edge in range(3):
-            here = np.flatnonzero(self.bent[:, edge])
-            edges[here, :, 3 + 2 * edge : 5 + 2 * edge] = 0.0
-            edges[here, :, 9 + edge] = 0.0
-        out = (edges.reshape(-1, 12) @ t.rows).reshape(n, 3, k, t.count)
-        components = (straight.curvature_map[self.triangles] @ integrals.reshape(n, 3, -1)).reshape(out.shape)
-        s, ws = interval_rule(self.order + BEYOND)
-        for edge in range(3):
-            here = np.flatnonzero(self.bent[:, edge])
-            if not len(here):
-                continue
-            xy, speed, jets = self._along(here, edge, s)
-            left = self._gradient(here, jets, _across(speed)) - self.slope_rows(here, edge, s)
-            normal = _across(speed) / np.linalg.norm(speed, axis=2, keepdims=True)
-            nx, ny = normal[..., 0], normal[..., 1]
-            outer = np.stack([nx * nx, ny * ny, 2 * nx * ny], axis=1)  # (n, component, point)
-            outer = outer * (ws * straight.outward[self.triangles[here], edge, None])[:, None]
-            psi = orthonormal(self.order - 1, straight.reference(xy, self.triangles[here]))
-            test = outer[:, :, None] * psi.swapaxes(1, 2)[:, None]  # (n, component, psi, point)
-            components[here] -= test @ left[:, None]
+        maps = strain_map[self.triangles] * root
+        maps[..., :3] = 0.0
+        for part in (3 + 2 * edges, 4 + 2 * edges, 9 + edges):
+            maps[at, :, part] = 0.0
+        out = (maps.reshape(-1, 12) @ t.rows).reshape(n, 3, k, t.count)
         own = factor if factor.ndim == 2 else factor[self.triangles]
         out += (own @ components.reshape(n, 3, -1)).reshape(out.shape)
-        scaled: Floats = np.linalg.solve(low[:, None], out @ self.back[:, None]).astype(np.float64)
+        scaled: Floats = up[:, None] @ (out @ self.back[:, None])
         return scaled.reshape(n, 3 * k, t.count)
 
     def to_unknowns(self, local: Floats) -> None:

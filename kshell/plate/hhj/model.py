@@ -15,7 +15,6 @@ from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError, SolveError
 from kshell.mesh.words import place
 from kshell.plate.answer import NODAL_VALUES, UNBALANCED, Above, cell_fields, vertex_fields
-from kshell.plate.curves import edge_curves
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
@@ -23,6 +22,7 @@ from kshell.plate.hhj.recovery import HHJFields, reactions, work_of_supports
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
+from kshell.plate.rims import edge_curves
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
@@ -144,7 +144,7 @@ class HHJModel(Model):
         found: HHJSolution = solved.own
         system, problem, mesh = self.system(), self.problem, self.problem.mesh
         fields = HHJFields(problem, self.loads, system, found)
-        forces = reactions(problem, self.loads, system, found)
+        forces = reactions(problem, self.loads, system, found, fields)
         warnings = self.warnings()
         if problem.hanging:
             warnings += problem.drift(
@@ -177,11 +177,12 @@ class HHJModel(Model):
             sheets=probed.sheets,
             probe_triangles=probed.triangles,
             reactions=forces.groups,
+            along_supports=forces.along,
             balance=forces.balance,
             strain_energy=system.energy(found),
             energies=energies,
             external_work=0.5 * (found.work + work_of_supports(system, found)),
-            evaluate=fields.at,
+            evaluate=fields.all_at,
             error=error,
             warnings=warnings + probed.warnings,
         )

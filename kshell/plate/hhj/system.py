@@ -222,7 +222,7 @@ class HHJSystem:
         found = strains.swapaxes(1, 2) / self.root[:, None, None]
         if self.arcs is not None:
             own = strains[self.arcs.triangles].swapaxes(1, 2)
-            found[self.arcs.triangles] = np.linalg.solve(self.arcs.low.swapaxes(1, 2), own)
+            found[self.arcs.triangles] = self.arcs.up.swapaxes(1, 2) @ own
         return found @ self.factor
 
     def no_load(self) -> Load:

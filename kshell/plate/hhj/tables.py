@@ -48,20 +48,6 @@ def edge_reference(place: Ints, s: Floats) -> Floats:
     return np.stack([edge_points(edge, s) for edge in range(3)])[place]
 
 
-@lru_cache(maxsize=16)
-def _degrees(degree: int) -> tuple[Ints, Ints]:
-    """Degrees in both directions of the products of total degree up to a degree."""
-    i, j = np.meshgrid(np.arange(degree + 1), np.arange(degree + 1), indexing="ij")
-    keep = i + j <= degree
-    return i[keep], j[keep]
-
-
-def products(degree: int, xi: Floats) -> Floats:
-    """Products of Legendre polynomials of 2 xi - 1, of total degree up to a degree, at points (..., 2)."""
-    i, j = _degrees(degree)
-    return legendre(degree, xi[..., 0])[..., i] * legendre(degree, xi[..., 1])[..., j]
-
-
 @dataclass(frozen=True)
 class Tables:
     """Tables of one order.
@@ -132,36 +118,41 @@ class Tables:
 
     def inside(self, xi: Floats) -> Floats:
         """w at reference points (..., 2): (..., m)."""
-        return products(self.order, xi) @ self._expanded[0][0]
+        return orthonormal(self.order, xi) @ self.jets[0]
 
     def gradients(self, xi: Floats) -> Floats:
         """Reference gradient of w at reference points (..., 2): (..., 2, m)."""
-        return np.stack([products(self.order, xi) @ table for table in self._expanded[0][1:]], axis=-2)
+        psi = orthonormal(self.order, xi)
+        return np.stack([psi @ table for table in self.jets[1:3]], axis=-2)
 
     def moment_functions(self, xi: Floats) -> Floats:
         """psi at reference points (..., 2): (..., k)."""
-        return products(self.order, xi) @ self._expanded[1][0]
+        return orthonormal(self.order - 1, xi)
 
     def moment_gradients(self, xi: Floats) -> Floats:
         """Reference gradient of psi at reference points (..., 2): (..., 2, k)."""
-        return np.stack([products(self.order, xi) @ table for table in self._expanded[1][1:]], axis=-2)
+        psi = orthonormal(self.order - 1, xi)
+        return np.stack([psi @ table for table in self._moment_gradients], axis=-2)
 
     @cached_property
-    def _expanded(self) -> tuple[Floats, Floats]:
-        """(3, product, m) and (3, product, k): w, psi and their derivatives in products of Legendre polynomials.
+    def jets(self) -> Floats:
+        """(6, psi, m): w's functions and their derivatives 1, 2, 11, 22, 12 in psi of the degree of w.
 
-        For reading off solutions, where a recurrence at every point takes longer than the rest. The projection is over
-        the square, where the functions are up to 1e4 times (order 8) as large as in the triangle: it keeps 12 digits.
+        For points of every triangle's own, where a recurrence on jets takes longer than the rest.
         """
-        s, ws = interval_rule(self.order + 1)
-        x, y = np.meshgrid(s, s, indexing="ij")
-        points = np.stack([x, y], axis=-1).reshape(-1, 2)
-        i, j = _degrees(self.order)
-        norm = (2 * i + 1) * (2 * j + 1)
-        test = products(self.order, points) * norm * np.outer(ws, ws).reshape(-1, 1)
-        w = np.zeros((3, len(points), self.count))
-        w[..., self.deflection] = hierarchic_jets(self.order, points)[:3]
-        return test.T @ w, test.T @ orthonormal_jets(self.order - 1, points)[:3]
+        points, weights = triangle_rule(2 * self.order)
+        test = (weights[:, None] * orthonormal(self.order, points)).T
+        out = np.zeros((6, len(test), self.count))
+        out[..., self.deflection] = test @ hierarchic_jets(self.order, points)
+        return out
+
+    @cached_property
+    def _moment_gradients(self) -> Floats:
+        """(2, k, k) derivatives of psi in psi."""
+        points, weights = triangle_rule(2 * self.order)
+        test = (weights[:, None] * orthonormal(self.order - 1, points)).T
+        found: Floats = test @ orthonormal_jets(self.order - 1, points)[1:3]
+        return found
 
 
 @lru_cache(maxsize=LARGEST_ORDER)

@@ -172,7 +172,7 @@ def along(triangles: Triangles, edges: Ints, s: Floats) -> Floats:
 def speeds(triangles: Triangles, edges: Ints, s: Floats) -> Floats:
     """(n, point) length per s at points along edges."""
     if triangles.domain is not None:
-        return np.asarray(np.linalg.norm(triangles.domain.edge_motion(edges, s)[0], axis=2))
+        return np.asarray(np.linalg.norm(triangles.domain.edge_motion(edges, s)[1], axis=2))
     owner, place = places(triangles, edges)
     return np.repeat(triangles.lengths[owner, place][:, None], len(s), axis=1)
 
@@ -210,11 +210,12 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
     arcs = system.arcs
     if arcs is not None:
         chosen, bent = _divided(chosen, arcs)
-        patch, xi = arcs.patch(
-            arcs.place[bent], system.order + (LOAD_DEGREE if callable(form.pressure) else 0)
-        )
-        weighted = form.values(bent, patch.xy) * patch.weights
-        out.local[bent] += (weighted[:, None] @ t.inside(xi))[:, 0]
+        if callable(form.pressure):
+            patch, xi = arcs.patch(arcs.place[bent], system.order + LOAD_DEGREE)
+            weighted = form.values(bent, patch.xy) * patch.weights
+            out.local[bent] += (weighted[:, None] @ t.inside(xi))[:, 0]
+        else:
+            out.local[bent] += form.pressure * arcs.integrals[arcs.place[bent]]
     if not callable(form.pressure):
         out.local[chosen] += form.pressure * triangles.area[chosen, None] * t.load
         return
@@ -269,5 +270,5 @@ def _curvature(system: HHJSystem, out: Load, form: CurvatureLoad) -> None:
         integrals = curvature.swapaxes(1, 2) @ orthonormal(system.order - 1, xi)  # (n, 3, k)
         own = factor if factor.ndim == 2 else factor[at]
         # l = L^-1 of the integrals, along k
-        found[at] = np.linalg.solve(arcs.low[place], (own @ integrals).swapaxes(1, 2)).swapaxes(1, 2)
+        found[at] = (own @ integrals) @ arcs.up[place].swapaxes(1, 2)
     out.initial[chosen] += found

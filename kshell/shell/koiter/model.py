@@ -40,6 +40,8 @@ class KoiterModel(ShellModel):
         If a support, load, material or thickness does not fit, or the shell is not held.
     """
 
+    nodal = True
+
     def __init__(
         self,
         structure: Structure,

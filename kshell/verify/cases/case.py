@@ -154,6 +154,8 @@ class Case:
         Per run.
     quick : tuple of str, optional
         Methods that the quick suite runs: none of a case that takes long, all where nothing is said.
+    estimated : bool
+        Whether errors are estimated, for quantities that are estimates.
     """
 
     id: str
@@ -167,6 +169,7 @@ class Case:
     allowed: Mapping[str, Mapping[str, float]]
     most_unknowns: Mapping[str, int]
     quick: tuple[str, ...] | None = None
+    estimated: bool = False
 
     @property
     def family(self) -> str:
@@ -184,7 +187,8 @@ class Case:
 
     def solve(self, run: Run) -> ks.Result:
         """The result on one mesh with one element."""
-        return ks.solve(self.build(run.refinement, run.order), **run.options)
+        options = {**run.options, "error": "auto"} if self.estimated else run.options
+        return ks.solve(self.build(run.refinement, run.order), **options)
 
     def compare(self, run: Run, result: ks.Result) -> list[Outcome]:
         """Each quantity the element gives, beside its reference."""
@@ -206,6 +210,7 @@ def case(
     runs: tuple[Run, ...],
     reference: str | None = None,
     quick: tuple[str, ...] | None = None,
+    estimated: bool = False,
 ) -> Case:
     """A case with its references from references.json and its allowed errors from allowed.json.
 
@@ -225,7 +230,8 @@ def case(
     allowed = {run: entry["errors"] for run, entry in recorded.items()}
     most = {run: entry["unknowns"] for run, entry in recorded.items()}
     return Case(
-        id, description, build, quantities, runs, reference or id, entry["source"], references, allowed, most, quick
+        id, description, build, quantities, runs, reference or id, entry["source"], references, allowed, most,
+        quick, estimated,
     )  # fmt: skip
 
 

@@ -131,13 +131,13 @@ def _held_rhombus(letters: str, angle: int) -> Build:
     held = {"C": ks.Clamped("edge"), "S": ks.SimplySupported("edge"), "F": ks.Clamped("y0")}[letters]
 
     def build(n: int, order: int) -> ks.Scene:
-        mesh = _rhombus(angle, n, SUPPORTED_LAYERS[angle] if letters == "S" else LAYERS)
+        mesh = rhombus(angle, n, SUPPORTED_LAYERS[angle] if letters == "S" else LAYERS)
         return scene(mesh, [held], analysis="modes", count=6)
 
     return build
 
 
-def _rhombus(angle: float, n: int, layers: int) -> ks.Mesh:
+def rhombus(angle: float, n: int, layers: int) -> ks.Mesh:
     """Refined at all corners; groups "edge", and "y0" for the side along x."""
     points, triangles = meshes.grid(n, n, falling=True)
     points, triangles = meshes.refined_at(points, triangles, SQUARE_CORNERS, layers)
