@@ -52,16 +52,20 @@ class EdgeCurves:
         """Positions of given edges in this set."""
         return np.searchsorted(self.edges, edges)
 
-    def deviation(self, place: NDArray[np.integer], s: Floats, order: int = 0) -> Floats:
-        """delta(s) of some edges, or its first or second derivative by s: (n, point, 2)."""
+    def deviation(self, place: NDArray[np.integer], s: Floats) -> Floats:
+        """delta(s) of some edges: (n, point, 2)."""
+        return np.asarray(self.deviations(place, s)[0])
+
+    def deviations(self, place: NDArray[np.integer], s: Floats) -> Floats:
+        """delta(s) of some edges and its first and second derivative by s: (3, n, point, 2)."""
         n = self.shape.shape[1]
         power = np.arange(n + 2)
-        c = np.zeros((len(place), n + 2, 2))  # s phi(s) - s^2 phi(s)
-        c[:, 1:-1] += self.shape[place]
-        c[:, 2:] -= self.shape[place]
-        for _ in range(order):
-            c = c[:, 1:] * power[1 : c.shape[1], None]
-        return np.einsum("qk,nkx->nqx", s[:, None] ** np.arange(c.shape[1]), c)
+        terms = np.zeros((3, len(s), n + 2))  # s^0, s^1, ... and their derivatives
+        terms[0] = s[:, None] ** power
+        terms[1, :, 1:] = terms[0, :, :-1] * power[1:]
+        terms[2, :, 1:] = terms[1, :, :-1] * power[1:]
+        terms = terms[..., 1:-1] - terms[..., 2:]  # s phi(s) - s^2 phi(s)
+        return (terms.reshape(-1, n) @ self.shape[place]).reshape(len(place), 3, -1, 2).swapaxes(0, 1)
 
     @cached_property
     def curved(self) -> NDArray[np.bool_]:

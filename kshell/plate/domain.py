@@ -109,7 +109,7 @@ class Domain:
         if len(self.bent):
             self.curved_triangles = np.union1d(self.curved_triangles, self.sides(self.bent)[1])
         self._latest: list[tuple[Ints, AffineTriangles]] = []
-        self._curved_patches: dict[tuple[int, bytes], Patch] = {}
+        self._curved_patches: dict[bytes, dict[int, Patch]] = {}  # by block and degree
         self.is_curved = np.zeros(len(mesh.triangles), dtype=bool)
         self.is_curved[self.curved_triangles] = True
 
@@ -172,10 +172,11 @@ class Domain:
         """Quadrature over the true region of triangles with curved edges; where these are few it is made once."""
         if len(self.curved_triangles) > BLOCK:
             return self._make_curved_patch(block, degree)
-        key = degree, block.tobytes()
-        if key not in self._curved_patches:
-            self._curved_patches[key] = self._make_curved_patch(block, degree)
-        return self._curved_patches[key]
+        known = self._curved_patches.setdefault(block.tobytes(), {})
+        enough = min((d for d in known if d >= degree), default=degree)
+        if enough not in known:
+            known[enough] = self._make_curved_patch(block, degree)
+        return known[enough]
 
     def _make_curved_patch(self, block: Ints, degree: int) -> Patch:
         xy, weights = region_points(self.mesh, self.curves, block, degree)

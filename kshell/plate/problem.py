@@ -60,6 +60,8 @@ class PlateProblem:
     element : PlateElement
     curved : bool, optional
         Whether the domain follows a curved boundary; as the element does, if not given.
+    reduced : bool
+        Whether unknowns are numbered, and supports that contradict each other found, at once.
 
     Raises
     ------
@@ -67,7 +69,9 @@ class PlateProblem:
         If a support, load, material or thickness does not fit, or the plate is not held.
     """
 
-    def __init__(self, structure: Structure, element: PlateElement, curved: bool | None = None) -> None:
+    def __init__(
+        self, structure: Structure, element: PlateElement, curved: bool | None = None, reduced: bool = True
+    ) -> None:
         self.structure, self.mesh, self.section = structure, structure.space, structure.section
         self.element = element
         plate_problems(self.mesh)
@@ -89,9 +93,15 @@ class PlateProblem:
         if not structure.movable:
             self.hanging = require_held(self.domain, self.layout, self.supports.conditions, springs)
         self._shared = shared_slopes(self.domain, element) if len(self.domain.bent) else None
-        self.reduction = Reduction(self.layout, self.supports.conditions, self._shared)
+        if reduced:
+            _ = self.reduction
         holds = [form for _, form in self.supports.holds]
         self.forms: list[Form] = [self.bending, *springs, *holds, *self.supports.ties]
+
+    @cached_property
+    def reduction(self) -> Reduction:
+        """The unknowns that the supports leave."""
+        return Reduction(self.layout, self.supports.conditions, self._shared)
 
     @cached_property
     def inertia(self) -> list[Form]:

@@ -42,7 +42,7 @@ def motion(mesh: Mesh, curves: EdgeCurves, edges: Ints, s: Floats) -> tuple[Floa
     place, bent = _among(curves, edges)
     here = np.flatnonzero(bent)
     if len(here):
-        bubble, slope, second = (curves.deviation(place[here], s, order) for order in range(3))
+        bubble, slope, second = curves.deviations(place[here], s)
         offset[here] += bubble
         speed[here] += slope
         bend[here] = second

@@ -6,6 +6,7 @@ triangle the same rule on its parts gives another value: the difference is about
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -104,14 +105,15 @@ class _Missed:
         self.gross, moments, off = 0.0, np.zeros(1), []
         for begin in range(0, len(corners), MOST):
             chosen, some = members[begin : begin + MOST], corners[begin : begin + MOST]
-            one, _ = self._forces(chosen, some, rules[0])
-            two, gross = self._forces(chosen, some, rules[1])
+            sizes = _sizes(some)
+            one, _ = self._forces(chosen, some, sizes, rules[0])
+            two, gross = self._forces(chosen, some, sizes, rules[1])
             difference = two.sum(axis=1) - one.sum(axis=1)
             least = SMOOTH * gross.max(initial=0.0)
             rough = np.flatnonzero(np.linalg.norm(difference, axis=1) > least)
             self.gross += float(gross.sum())
             for part in np.array_split(rough, 1 + len(rough) * len(PARTS[k]) // MOST):
-                fine, its = self._forces(chosen[part], some[part], rules[2])
+                fine, its = self._forces(chosen[part], some[part], sizes[part], rules[2])
                 self.gross += float(its.sum() - gross[part].sum())
                 difference[part] = fine.sum(axis=1) - one[part].sum(axis=1)
                 for force, (places, _), sign in ((fine, rules[2], 1.0), (one[part], rules[0], -1.0)):
@@ -122,11 +124,11 @@ class _Missed:
         self.moments = np.atleast_2d(moments)
         self.off: Floats = np.concatenate(off) if off else np.zeros((0, 1))
 
-    def _forces(self, members: Ints, corners: Floats, rule: Rule) -> tuple[Floats, Floats]:
+    def _forces(self, members: Ints, corners: Floats, sizes: Floats, rule: Rule) -> tuple[Floats, Floats]:
         """(n, point, component) forces of points, and (n,) integrals of their sizes."""
         places, shares = rule
         at = np.einsum("qb,nbi->nqi", places, corners)
-        force = self._values(members, at) * (_sizes(corners)[:, None] * shares)[..., None]
+        force = self._values(members, at) * (sizes[:, None] * shares)[..., None]
         return force, np.linalg.norm(force, axis=2).sum(axis=1)
 
     def _values(self, members: Ints, points: Floats) -> Floats:
@@ -149,6 +151,7 @@ def _sizes(corners: Floats) -> Floats:
     return np.asarray(0.5 * np.linalg.norm(np.cross(a, corners[:, 2] - corners[:, 0]), axis=1))
 
 
+@lru_cache(maxsize=2)
 def _rules(k: int) -> list[Rule]:
     """The rule of a triangle (k = 3) or an edge (2), of its parts and of theirs."""
     if k == 3:

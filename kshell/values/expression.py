@@ -13,7 +13,7 @@ import math
 import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import lru_cache, reduce
 from itertools import pairwise
 from typing import Any
 
@@ -109,9 +109,9 @@ class Expression:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "names", tuple(self.names))
-        tree = _parse(self.text)
-        _Checker(self.text, self.names).check(tree, 0)
-        object.__setattr__(self, "tree", tree)
+        if not isinstance(self.text, str):
+            _parse(self.text)
+        object.__setattr__(self, "tree", _checked(self.text, self.names))
 
     def __call__(self, *values: ArrayLike) -> NDArray[np.float64]:
         """Values of the formula, broadcast over the values of the variables.
@@ -125,6 +125,14 @@ class Expression:
         return np.array(
             np.broadcast_to(np.asarray(result, float), np.broadcast_shapes(*(a.shape for a in arrays)))
         )
+
+
+@lru_cache(maxsize=256)
+def _checked(text: str, names: tuple[str, ...]) -> ast.expr:
+    """The formula of a text, which is not to be changed: loads ask for theirs many times."""
+    tree = _parse(text)
+    _Checker(text, names).check(tree, 0)
+    return tree
 
 
 def _parse(text: str) -> ast.expr:

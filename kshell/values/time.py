@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -30,9 +31,12 @@ def depends_on_normal(value: Any) -> bool:
 def _uses(value: Any, names: Sequence[str]) -> bool:
     if isinstance(value, tuple | list):
         return any(_uses(part, names) for part in value)
-    return isinstance(value, str) and any(
-        isinstance(node, ast.Name) and node.id in names for node in ast.walk(_tree(value))
-    )
+    return isinstance(value, str) and not _names_in(value).isdisjoint(names)
+
+
+@lru_cache(maxsize=256)
+def _names_in(text: str) -> frozenset[str]:
+    return frozenset(node.id for node in ast.walk(_tree(text)) if isinstance(node, ast.Name))
 
 
 def at_time(value: Any, time: float) -> Any:

@@ -55,7 +55,7 @@ class HHJModel(Model):
     def __init__(self, structure: Structure, order: int, reasons: Sequence[str] = ()) -> None:
         self.structure, self.order, self.reasons = structure, order, list(reasons)
         # reads the scene's words, and is never assembled
-        self.problem = PlateProblem(structure, ElementMorley(), curved=True)
+        self.problem = PlateProblem(structure, ElementMorley(), curved=True, reduced=False)
         _require_straight_lines(self.problem)
         if not structure.section.constant_per_triangle:
             raise InputError(
@@ -68,6 +68,8 @@ class HHJModel(Model):
         self.loads: Loads = self.problem.loads
         self._systems: dict[str, HHJSystem] = {}
         self._held = translate.held(self.triangles, order, self.problem.supports)
+        if self._held.values is not None:
+            _ = self.problem.reduction  # finds values that contradict each other
         self.arcs = Arcs(self.triangles, order, self._held.slopes) if curved else None
 
     def system(self, solver: str = "auto") -> HHJSystem:
@@ -144,7 +146,7 @@ class HHJModel(Model):
         found: HHJSolution = solved.own
         system, problem, mesh = self.system(), self.problem, self.problem.mesh
         fields = HHJFields(problem, self.loads, system, found)
-        forces = reactions(problem, self.loads, system, found, fields)
+        forces = reactions(problem, self.loads, system, found)
         warnings = self.warnings()
         if problem.hanging:
             warnings += problem.drift(
@@ -177,7 +179,6 @@ class HHJModel(Model):
             sheets=probed.sheets,
             probe_triangles=probed.triangles,
             reactions=forces.groups,
-            along_supports=forces.along,
             balance=forces.balance,
             strain_energy=system.energy(found),
             energies=energies,
