@@ -26,7 +26,7 @@ from kshell.solvers.dissection import dissected
 
 Floats = NDArray[np.float64]
 
-KEPT = 300_000  # unknowns up to which linear strains are kept while the matrix is factorised, which takes more room
+KEPT = 300_000  # unknowns up to which what is quickly made anew is kept while the matrix is factorised
 
 
 class Linear(NamedTuple):

@@ -128,7 +128,7 @@ class Factoriser:
                 del lower
             del pattern  # what is not needed any more leaves room for the factor
             if kind is Cholmod:
-                solver = Cholmod(indptr, indices, entries, dissected)
+                solver = Cholmod(indptr, indices, entries, dissected, once=True)
                 del indptr, indices, entries
                 return _renumbered(solver.factorise(), number)
             return _renumbered(kind(indptr, indices).factorise(entries), number)

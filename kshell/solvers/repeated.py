@@ -71,10 +71,17 @@ class Cholmod:
         Of the first matrix, which `factorise` need not be given then.
     ordered : bool
         Whether the unknowns are in a good order of elimination; else it looks for one.
+    once : bool
+        Whether there is one matrix only, which is not kept beside its factor.
     """
 
     def __init__(
-        self, indptr: Ints, indices: Ints, entries: Floats | None = None, ordered: bool = False
+        self,
+        indptr: Ints,
+        indices: Ints,
+        entries: Floats | None = None,
+        ordered: bool = False,
+        once: bool = False,
     ) -> None:
         from cvxopt import cholmod, spmatrix
         from cvxopt import matrix as dense
@@ -86,7 +93,7 @@ class Cholmod:
         del row, column
         order = {"p": dense(np.arange(n, dtype=np.int64))} if ordered else {}
         self._symbolic = cholmod.symbolic(self._matrix, uplo="L", **order)
-        self._cholmod, self._dense = cholmod, dense
+        self._cholmod, self._dense, self._once = cholmod, dense, once
 
     def factorise(self, entries: Floats | None = None) -> Factor:
         if entries is not None:
@@ -95,6 +102,8 @@ class Cholmod:
             self._cholmod.numeric(self._matrix, self._symbolic)
         except ArithmeticError as error:
             raise Singular(f"CHOLMOD: the pivot of unknown {error} is not positive") from error
+        if self._once:
+            del self._matrix
         return Factor(self._solve, _none, True)
 
     def _solve(self, rhs: Floats) -> Floats:

@@ -17,6 +17,9 @@ and the moments m = G^-1 (l + H c): the second half of K s.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,8 +48,47 @@ def _integrate(reference: ReferenceTriangle, weight: Floats, left: Floats) -> Fl
     return values.reshape(-1, 3 * count, 3 * count)
 
 
-def triangle_stiffness(surface: Surface, section: Section, triangles: slice) -> Floats:
-    """K of a range of triangles: (triangle, 2 r, 2 r)."""
+class TriangleStiffness(NamedTuple):
+    """K of triangles in its parts: without coupling two are zero, and neither kept nor multiplied by."""
+
+    membrane: Floats  # (triangle, r, r), K of c
+    bending: Floats  # (triangle, r, r), K of l, which makes moments of curvatures
+    mixed: Floats | None  # (triangle, r, r), from c to moments; None where the section does not couple them
+
+    @classmethod
+    def of(cls, surface: Surface, section: Section, blocks: Sequence[slice]) -> TriangleStiffness:
+        """Of all triangles of a surface, block by block."""
+        parts = [triangle_stiffness(surface, section, block) for block in blocks]
+        none = np.zeros((0, surface.reference.strains, surface.reference.strains))
+        membrane, bending = (np.concatenate([none, *(part[k] for part in parts)]) for k in range(2))
+        coupled = any(part.mixed is not None for part in parts)
+        return cls(membrane, bending, np.concatenate([part[2] for part in parts]) if coupled else None)
+
+    def times(self, triangles: slice | NDArray[np.integer], columns: Floats) -> Floats:
+        """K times columns (triangle, 2 r, k) of some triangles."""
+        r = self.membrane.shape[1]
+        c, length = columns[:, :r], columns[:, r:]
+        out = np.empty((len(columns), 2 * r, columns.shape[2]))
+        np.matmul(self.membrane[triangles], c, out=out[:, :r])
+        np.matmul(self.bending[triangles], length, out=out[:, r:])
+        if self.mixed is not None:
+            mixed = self.mixed[triangles]
+            out[:, :r] += np.matmul(mixed.swapaxes(1, 2), length)
+            out[:, r:] += np.matmul(mixed, c)
+        return out
+
+    def whole(self) -> Floats:
+        """(triangle, 2 r, 2 r) K."""
+        r = self.membrane.shape[1]
+        out = np.zeros((len(self.membrane), 2 * r, 2 * r))
+        out[:, :r, :r], out[:, r:, r:] = self.membrane, self.bending
+        if self.mixed is not None:
+            out[:, r:, :r], out[:, :r, r:] = self.mixed, self.mixed.swapaxes(1, 2)
+        return out
+
+
+def triangle_stiffness(surface: Surface, section: Section, triangles: slice) -> TriangleStiffness:
+    """K of a range of triangles."""
     reference = surface.reference
     x = surface.tangents(reference.first, triangles)
     j = surface.area_elements[triangles]
@@ -65,17 +107,11 @@ def triangle_stiffness(surface: Surface, section: Section, triangles: slice) -> 
         return np.ascontiguousarray(np.moveaxis(matrix, (2, 3), (0, 1)))
 
     flexibility: Floats = np.asarray(np.linalg.inv(d), dtype=float)
-    n = reference.strains
     bending = np.linalg.inv(_integrate(reference, 1 / j**3, product(moment, flexibility, moment)))
-    result = np.zeros((len(j), 2 * n, 2 * n))
-    result[:, n:, n:] = 0.5 * (bending + bending.swapaxes(1, 2))
-    coupled = bool(np.any(section.coupling))
-    membrane = a - b @ flexibility @ b if coupled else a
-    result[:, :n, :n] = _integrate(reference, j, product(strain, membrane, strain))
-    if coupled:
-        mixed = _integrate(reference, 1 / j, product(moment, flexibility @ b, strain))
-        carried = result[:, n:, n:] @ mixed
-        result[:, n:, :n] = carried
-        result[:, :n, n:] = carried.swapaxes(1, 2)
-        result[:, :n, :n] += mixed.swapaxes(1, 2) @ carried
-    return result
+    bending = 0.5 * (bending + bending.swapaxes(1, 2))
+    if not np.any(section.coupling):
+        return TriangleStiffness(_integrate(reference, j, product(strain, a, strain)), bending, None)
+    membrane = _integrate(reference, j, product(strain, a - b @ flexibility @ b, strain))
+    mixed = _integrate(reference, 1 / j, product(moment, flexibility @ b, strain))
+    carried = bending @ mixed
+    return TriangleStiffness(membrane + mixed.swapaxes(1, 2) @ carried, bending, carried)

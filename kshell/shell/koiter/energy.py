@@ -42,7 +42,7 @@ from kshell.equilibrium.energy import StrainEnergy, in_blocks
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.shell import kinematics
-from kshell.shell.koiter.constitutive import triangle_stiffness
+from kshell.shell.koiter.constitutive import TriangleStiffness
 from kshell.shell.koiter.edges import Directors, rest_directors, turn_directors
 from kshell.shell.koiter.strain_tables import strain_tables
 from kshell.shell.koiter.surface import Surface
@@ -109,13 +109,29 @@ class Koiter(StrainEnergy):
         self.unknowns = surface.unknowns
         self.triangle_unknowns = surface.triangle_unknowns
         self.strains = 2 * surface.reference.strains
-        self.stiffness = np.empty((count, self.strains, self.strains))  # K
-        for triangles in self.blocks:
-            self.stiffness[triangles] = triangle_stiffness(surface, section, triangles)
+        self.constitutive = TriangleStiffness.of(surface, section, self.blocks)  # K
         self.rest = rest_directors(surface) if rest is None else rest
         self._both = np.concatenate([surface.reference.first, surface.reference.second])
-        self._rest_jets = surface.jets(surface.nodes, self._both)
-        self._edge_tangents = surface.tangents(surface.reference.edge_first)
+
+    @property
+    def stiffness(self) -> Floats:
+        """(triangle, 2 r, 2 r) K."""
+        return self.constitutive.whole()
+
+    @cached_property
+    def _at_rest(self) -> tuple[Floats, Floats]:
+        """Derivatives of the position at interior points, and tangents at points of edges, at rest."""
+        surface = self.surface
+        return surface.jets(surface.nodes, self._both), surface.tangents(surface.reference.edge_first)
+
+    def _rest(self, triangles: slice) -> tuple[Floats, Floats]:
+        """The same of some triangles; of many they are made each time, which leaves room for the factor."""
+        surface = self.surface
+        if self.unknowns <= self.kept:
+            jets, tangents = self._at_rest
+            return jets[:, :, triangles], tangents[:, :, triangles]
+        jets = surface.jets(surface.nodes, self._both, triangles)
+        return jets, surface.tangents(surface.reference.edge_first, triangles)
 
     def _nodes(self, field: Floats, triangles: slice) -> Floats:
         """Nodal vectors (3, triangle, n), relative to the first node: only differences matter."""
@@ -131,10 +147,9 @@ class Koiter(StrainEnergy):
         c = np.einsum("xtrj,xtj->tr", stretch, small)
 
         moved = surface.jets(u, self._both, triangles)
-        at_rest = self._rest_jets[:, :, triangles]
+        at_rest, base = self._rest(triangles)
         curvature = kinematics.curvature_change(at_rest[:2], at_rest[2:], moved[:2], moved[2:])
 
-        base = self._edge_tangents[:, :, triangles]
         moved = surface.jets(u, reference.edge_first, triangles)
         if memory.base.any():
             shift = surface.jets(memory.base, reference.edge_first, triangles)
@@ -196,7 +211,7 @@ class Koiter(StrainEnergy):
         return whole + whole.swapaxes(1, 2)
 
     def _apply(self, triangles: slice, columns: Floats) -> Floats:
-        return np.matmul(self.stiffness[triangles], columns)
+        return self.constitutive.times(triangles, columns)
 
     def settle(
         self, x: Floats, memory: Directors, reduction: Reduction, initial: Floats | None = None

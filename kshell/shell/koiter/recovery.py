@@ -64,7 +64,7 @@ def resultants(
         """Membrane strain along the element coordinates; it, kappa and M in the material axes."""
         r, s = surface.reference.strains, all_strains[chosen]
         if known is None:
-            m = np.matmul(koiter.stiffness[chosen], s[:, :, None])[:, r:, 0].reshape(len(chosen), -1, 3)
+            m = koiter.constitutive.times(chosen, s[:, :, None])[:, r:, 0].reshape(len(chosen), -1, 3)
         else:
             m = known[chosen, r:].reshape(len(chosen), -1, 3)
         covariant = np.einsum("pk,tkv->vtp", psi, s[:, :r].reshape(len(chosen), -1, 3))

@@ -22,4 +22,4 @@ class RelaxingKoiter(Koiter):
     def __init__(self, surface: Surface, section: Section, relaxation: Terms) -> None:
         super().__init__(surface, section)
         self.relaxation = relaxation
-        self.rest = remembering(self.rest, len(self.stiffness), self.strains, len(relaxation) + 1)
+        self.rest = remembering(self.rest, len(self.triangle_unknowns), self.strains, len(relaxation) + 1)

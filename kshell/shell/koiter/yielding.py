@@ -71,7 +71,7 @@ class YieldingKoiter(Koiter):
             raise InputError(
                 "a section that yields must be symmetric about the mesh: leave offset or hardening out"
             )
-        self.rest = remembering(self.rest, len(self.stiffness), self.strains, 1)
+        self.rest = remembering(self.rest, len(self.triangle_unknowns), self.strains, 1)
         self.area = 0.5 * surface.area_elements[:, 0]
         x = surface.tangents(surface.reference.first)[..., :1]
         f = components(x, *tangent_frame(x, section.direction, section.angle[:, None])[:2])
@@ -80,12 +80,12 @@ class YieldingKoiter(Koiter):
         )
         moment = moment / surface.area_elements[:, :1, None] ** 2
         a, d = section.membrane, section.bending
-        count = len(self.stiffness)
+        count = len(self.triangle_unknowns)
         self.elastic = np.zeros((count, 6, 6))  # C
         self.elastic[:, :3, :3], self.elastic[:, 3:, 3:] = a, d
         self.frame = np.zeros((count, 6, 6))  # R
         self.frame[:, :3, :3] = strain
-        self.frame[:, 3:, 3:] = np.linalg.inv(d) @ moment @ self.stiffness[:, 3:, 3:]
+        self.frame[:, 3:, 3:] = np.linalg.inv(d) @ moment @ self.constitutive.bending
         self.unframe = np.linalg.inv(self.frame)
         self._surfaces(yielding)
 
