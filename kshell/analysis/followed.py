@@ -124,10 +124,11 @@ class Followed:
         mesh, curves = domain.mesh, domain.curves
         out = np.zeros(len(curves.edges))
         edges = mesh.edge_index(self.ends).astype(np.int64)
-        place, half = curves.place(edges), np.array([0.5])
-        chord = domain.points[self.ends].mean(axis=1)
-        off = chord + curves.deviation(place, half)[:, 0] - self.at(self.edge, self.span.mean(axis=1))
-        along = domain.edge_motion(edges, half)[0][:, 0]
-        across = off[:, 0] * along[:, 1] - off[:, 1] * along[:, 0]
-        out[place] = np.abs(across) / np.linalg.norm(along, axis=1)
+        here, speed, bend = (part[:, 0] for part in domain.edge_motion(edges, np.array([0.5])))
+        off = self.at(self.edge, self.span.mean(axis=1)) - here
+        length = np.linalg.norm(speed, axis=1)
+        ahead = (off * speed).sum(axis=1) / length
+        across, turn = (part[:, 0] * speed[:, 1] - part[:, 1] * speed[:, 0] for part in (off, bend))
+        # the curve itself is off its tangent by half its curvature, turn / length^3, times the square of the way
+        out[curves.place(edges)] = np.abs(across / length - 0.5 * turn / length**3 * ahead**2)
         return out

@@ -166,6 +166,22 @@ def test_edges_cut_many_times_stay_on_the_first_curve(order: int) -> None:
     assert (mesh.midpoints is None) == (order == 1)
 
 
+def test_where_along_a_curve_nodes_lie_says_nothing_of_its_shape() -> None:
+    mesh = disk(4, 2)
+    assert mesh.midpoints is not None
+    edges = mesh.boundary_edges
+    angle = np.unwrap(np.arctan2(*mesh.points[mesh.edges[edges], :2].T[::-1]), axis=0)
+    uneven = 0.65 * angle[0] + 0.35 * angle[1]
+    middles = mesh.midpoints.copy()
+    middles[edges, :2] = np.stack([np.cos(uneven), np.sin(uneven)], axis=1)
+    first = longest_first(dataclasses.replace(mesh, midpoints=middles))
+    followed = Followed.of(first, Domain(first, True))
+    assert followed is not None
+    assert followed.missed(Domain(first, True)).max() < 5e-6
+    refined, followed = followed.bisected(first, np.arange(len(first.triangles)))
+    assert followed.missed(Domain(refined.mesh, True)).max() < 1e-9
+
+
 def test_too_few_nodes_along_a_curve_set_a_limit() -> None:
     with pytest.warns(ks.KshellWarning, match="more nodes along its curved edges"):
         result = ks.solve(plate(ellipse(1), ks.Clamped("edge")), tolerance=1e-6)
