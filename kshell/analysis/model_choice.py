@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from kshell.analysis.sense import BENDING, require_plate, require_sense, yields
+from kshell.analysis.sense import BENDING, at_rest_first, require_plate, require_sense, shaking, yields
 from kshell.errors import InputError
 from kshell.material.laminate import NEGLIGIBLE_COUPLING
 from kshell.mesh.check import is_flat
@@ -145,7 +145,8 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
     ):
         return "shell", "kind shell: large deflections of a flat mesh stretch it"
     bends = options.analysis in BENDING
-    stretching = next(_stretching(structure, moved=not bends), None)
+    rest = at_rest_first(options)
+    stretching = next(_stretching(shaking(structure) if rest else structure, not bends, rest), None)
     if stretching is None and bends:
         return "plate", "kind plate: the mesh is flat, its modes are those of bending"
     if stretching is None:
@@ -153,8 +154,16 @@ def _kind(structure: Structure, options: SolveOptions) -> tuple[Literal["plate",
     return "shell", f"kind shell: the mesh is flat, but {stretching}"
 
 
-def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
-    """What in a flat structure stretches the plate in its plane, in words; `moved`: loads and motions there, too."""
+def _stretching(structure: Structure, moved: bool, rest: bool = False) -> Iterator[str]:
+    """What in a flat structure stretches the plate in its plane, in words.
+
+    Parameters
+    ----------
+    moved : bool
+        Whether loads and motions there count, too.
+    rest : bool
+        Whether motions with fixed = true are those of the state at rest, and do not.
+    """
     mesh = structure.space
     if structure.section.coupling_ratio > NEGLIGIBLE_COUPLING:
         yield "the layers are not symmetric about their middle, so bending stretches them"
@@ -170,7 +179,7 @@ def _stretching(structure: Structure, moved: bool) -> Iterator[str]:
             yield f"{support} moves in space"
         elif getattr(support, "axes", None) is not None:
             yield f"{support} has axes of its own"
-        elif moved and support.value is not None:
+        elif moved and support.value is not None and not (rest and support.fixed):
             value = support.translation_at(held.vertices(mesh))
             if exceeds(value[:, :2], value):
                 yield f"{support} moves it in its plane"

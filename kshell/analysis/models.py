@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from kshell.analysis.model_choice import ModelChoice, choose_model
-from kshell.analysis.sense import BENDING
+from kshell.analysis.sense import BENDING, at_rest_first, shaking
 from kshell.distributed.refuse import refuse_model
 from kshell.distributed.team import Team, team_of
 from kshell.equilibrium.model import Model
@@ -58,6 +58,8 @@ def as_analysed(structure: Structure, choice: ModelChoice, options: SolveOptions
         structure = replace(structure, movable=True)
     if choice.kind == "plate" and options.analysis in BENDING:
         return bending_only(structure)
+    if choice.kind == "plate" and at_rest_first(options):
+        return shaking(structure)
     if flat_under_load(structure, options):
         from kshell.analysis.membrane import held_in_plane
 
@@ -67,7 +69,8 @@ def as_analysed(structure: Structure, choice: ModelChoice, options: SolveOptions
 
 def flat_under_load(structure: Structure, options: SolveOptions) -> bool:
     """Whether a flat shell is to be stressed in its plane before it buckles or vibrates."""
-    loaded = options.analysis == "buckling" or (options.analysis in BENDING and options.prestress)
+    prestressed = (options.analysis in BENDING and options.prestress) or at_rest_first(options)
+    loaded = options.analysis == "buckling" or prestressed
     return loaded and structure.chart is None and structure.space.is_flat
 
 

@@ -14,6 +14,7 @@ import scipy.sparse as sp
 from kshell.analysis.membrane import MembraneState, UniformState, membrane_state
 from kshell.analysis.path import grow_load
 from kshell.analysis.run import Run
+from kshell.analysis.sense import at_rest_first
 from kshell.equilibrium.finite_model import FiniteModel
 from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError
@@ -99,11 +100,10 @@ def prestressed(model: Model, run: Run) -> Prestress:
     if not structure.loads and all(placed.item.value is None for placed in structure.supports):
         raise InputError("prestress = true needs loads, or a prescribed motion: the scene has none")
     factor = run.options.prestress
-    factors = [1.0 if placed.item.fixed else factor for placed in structure.loads]
-    moved = [placed.item.fixed for placed in structure.supports if placed.item.value is not None]
-    motion = 1.0 if moved and all(moved) else factor
+    factors, motion = _acting(run)
     if run.options.large_deflection is True:
-        return _on_path(model if factor == 1.0 else model.under(factors, motion), run, factor)
+        whole = motion == 1.0 and all(f == 1.0 for f in factors)
+        return _on_path(model if whole else model.under(factors, motion), run, factor)
     found = stressed(model, structure, factors, motion)
     stiffness = model.stiffness()
     at = "" if factor == 1.0 else f" at the load factor {factor:g}"
@@ -115,6 +115,31 @@ def prestressed(model: Model, run: Run) -> Prestress:
             "prestress: the loads cause no membrane forces, the frequencies are those without them"
         )
     return out
+
+
+def _acting(run: Run) -> tuple[list[float], float]:
+    """Factors of the loads, and of the prescribed motion, that act before the structure vibrates.
+
+    Raises
+    ------
+    InputError
+        If nothing acts at rest before a response.
+    """
+    structure, factor = run.structure, run.options.prestress
+    moved = [placed.item.fixed for placed in structure.supports if placed.item.value is not None]
+    if not at_rest_first(run.options):
+        factors = [1.0 if placed.item.fixed else factor for placed in structure.loads]
+        return factors, 1.0 if moved and all(moved) else factor
+    if not any(moved) and not any(placed.item.fixed for placed in structure.loads):
+        raise InputError(
+            "prestress = true in a response needs loads, or a prescribed motion, with fixed = true: these act at rest, "
+            "the others shake"
+        )
+    if factor != 1.0:
+        raise InputError(
+            f"prestress = {factor:g} in a response: loads at rest have fixed = true and act as they are; give true"
+        )
+    return [float(placed.item.fixed) for placed in structure.loads], 1.0
 
 
 def _on_path(model: Model, run: Run, factor: float) -> Prestress:

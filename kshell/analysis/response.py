@@ -8,6 +8,10 @@ By modes phi_k of unit mass, lambda_k = omega_k^2, with damping ratios zeta_k an
 the last terms are what the modes left out do at rest (Hansteen & Bell, Earthq. Eng. Struct. Dyn. 7 (1979) 481-501).
 A material of Kelvin and Voigt with the time tau, and drag d on the mass, make zeta_k = (tau omega_k + d / omega_k) / 2.
 Direct: (K (1 + i omega tau) + i omega d M - omega^2 M) q = f, nothing left out.
+
+Of a structure under loads at rest K becomes K + G with the geometric stiffness G of its stresses, which damps nothing:
+zeta_k = (tau omega_k e_k + d / omega_k) / 2 with the share e_k of K in the stiffness phi_k . (K + G) phi_k of a mode;
+what viscosity couples of different modes is left out by modes, not by the direct solution.
 """
 
 from __future__ import annotations
@@ -17,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.analysis.at_rest import AtRest
 from kshell.analysis.modal_result import modal_result
 from kshell.analysis.run import Run, described
 from kshell.equilibrium.model import Model
@@ -57,6 +62,8 @@ class Harmonic:
     ratios : (mode,)
         Of critical damping.
     points : (probe, 3)
+    at_rest : AtRest, optional
+        The state that it vibrates about; the modes are those of K + G.
     """
 
     model: Model
@@ -67,6 +74,7 @@ class Harmonic:
     drag: float
     ratios: Floats
     points: Floats
+    at_rest: AtRest | None = None
 
     def by_modes(self, omega: Floats, solver: str) -> Complexes:
         """(frequency, probe, 3) at circular frequencies, with the static share of modes left out."""
@@ -74,7 +82,9 @@ class Harmonic:
         shapes = model.expand(found.vectors)
         at_modes = np.array([model.motion_at(x, self.points) for x in shapes.T])  # (mode, probe, 3)
         push = found.vectors.T @ self.load
-        still = model.motion_at(model.solve(solver).x, self.points)
+        loaded = self.at_rest
+        slow = model.solve(solver).x if loaded is None else model.expand(loaded.solve(self.load))
+        still = model.motion_at(slow, self.points)
         rest = still - np.einsum("k,kpx->px", push / found.values, at_modes)
         delay = (1.0 + 1j * omega * self.viscosity)[:, None, None]
         return amplitudes(omega, found.values, push, at_modes, self.ratios) + rest / delay
@@ -83,9 +93,9 @@ class Harmonic:
         """The same from a system for every frequency."""
         model, out = self.model, []
         for w in omega.tolist():
-            q = harmonic_solution(
-                self.pencil.stiffness, self.pencil.mass, self.load, w, self.viscosity, self.drag
-            )
+            k, m = self.model.stiffness(), self.pencil.mass
+            g = None if self.at_rest is None else self.at_rest.geometric
+            q = harmonic_solution(k, m, self.load, w, self.viscosity, self.drag, g)
             x = model.expand(np.column_stack([q.real, q.imag]))
             real, imag = (model.motion_at(column, self.points) for column in x.T)
             out.append(real + 1j * imag)
@@ -115,9 +125,14 @@ def analyse(model: Model, run: Run) -> Result:
     low, high = options.range
     direct = options.scheme == "direct"
     with run.clock.stage("assemble"):
-        mass, stiffness = model.mass(), model.stiffness()
-        load = model.load_vectors().sum(axis=0)
-        pencil = Pencil(stiffness, mass, np.zeros((model.unknowns, 0)), model.energies)
+        mass = model.mass()
+        at_rest = AtRest.of(model, run) if options.prestress else None
+        shakes = np.array([not placed.item.fixed for placed in model.structure.loads], dtype=float)
+        load = shakes @ model.load_vectors()
+        nothing = np.zeros((model.unknowns, 0))
+        pencil = Pencil(model.stiffness(), mass, nothing, model.energies)
+        if at_rest is not None:
+            pencil = Pencil(at_rest.state.stiffness, mass, nothing)
     with run.clock.stage("solve"):
         found = in_range(pencil, 0.0, (2 * np.pi * (1.0 if direct else BEYOND) * high) ** 2, MOST)
         least = 1 if direct else LEAST
@@ -125,13 +140,16 @@ def analyse(model: Model, run: Run) -> Result:
             found = smallest(pencil, least)
         damping = Damping() if run.scene.damping is None else run.scene.damping
         omega_k = np.sqrt(found.values)
-        viscosity, drag = damping.material(float(omega_k[0])), damping.drag
-        ratios = 0.5 * (viscosity * omega_k + drag / omega_k)
+        elastic = np.ones(len(omega_k))
+        if at_rest is not None:
+            elastic = np.diag(model.energies(found.vectors)) / found.values
+        viscosity, drag = damping.material(float(omega_k[0] * elastic[0])), damping.drag
+        ratios = 0.5 * (viscosity * omega_k * elastic + drag / omega_k)
         if damping.per_mode is not None:
             given = damping.per_mode
             ratios = np.array([given[min(k, len(given) - 1)] for k in range(len(omega_k))])
         points = np.array(list(structure.probes.values()), dtype=float)
-        shaken = Harmonic(model, pencil, load, found, viscosity, drag, ratios, points)
+        shaken = Harmonic(model, pencil, load, found, viscosity, drag, ratios, points, at_rest)
         omega = 2 * np.pi * shaken.frequencies(low, high)
         u = shaken.directly(omega) if direct else shaken.by_modes(omega, options.solver)
     with run.clock.stage("recover"):
@@ -153,6 +171,13 @@ def analyse(model: Model, run: Run) -> Result:
             "towards it, those given are of frequencies beside it; give [damping]"
         )
     reasons = [_words(shaken, direct)]
+    if at_rest is not None:
+        reasons += at_rest.state.reasons
+        result.warnings += at_rest.state.warnings
+        if viscosity and not direct:
+            reasons.append(
+                "damping: stresses at rest damp nothing; what viscosity couples of different modes is left out"
+            )
     if viscosity and any(isinstance(placed.item, Elastic) for placed in structure.supports):
         reasons.append("damping: elastic supports are as viscous as the material")
     why = "a complex system for every frequency" if direct else "modes, by Lanczos' method"
@@ -196,10 +221,13 @@ def _require(run: Run) -> None:
     options, structure = run.options, run.structure
     if options.range is None:
         raise InputError('analysis = "response" needs a range of frequencies: range = [0, 100]')
-    if options.count is not None or options.prestress:
-        key = "count" if options.count is not None else "prestress"
+    if options.count is not None:
+        raise InputError('count is for analysis = "modes": leave it out, a response takes the modes it needs')
+    fixed = [str(placed.item) for placed in structure.loads if placed.item.fixed]
+    if fixed and not options.prestress:
         raise InputError(
-            f'{key} is for analysis = "modes": leave it out, a response takes the modes it needs'
+            f"{fixed[0]} has fixed = true, and does not shake: prestress = true lets such loads act at rest; or leave "
+            "fixed out"
         )
     damping = run.scene.damping
     if options.scheme == "direct" and damping is not None and damping.per_mode is not None:
@@ -207,14 +235,19 @@ def _require(run: Run) -> None:
             'damping: a ratio for every mode is for scheme = "modes": a direct solution is damped by the material; '
             "give the ratio of the first mode, a number, or viscosity or drag"
         )
-    moved = [str(placed.item) for placed in structure.supports if placed.item.moves]
+    moved = [
+        str(placed.item)
+        for placed in structure.supports
+        if placed.item.moves and not (placed.item.fixed and options.prestress)
+    ]
     if moved:
         raise InputError(
-            f"{moved[0]} prescribes a motion: a response is to loads, leave value and rotation out"
+            f"{moved[0]} prescribes a motion: a response is to loads, leave value and rotation out, or, with "
+            "prestress = true, give fixed = true: a motion at rest"
         )
     if not structure.probes:
         raise InputError('analysis = "response" needs a probe: it gives the amplitudes there')
-    if not structure.loads:
+    if len(fixed) == len(structure.loads):
         raise InputError(
-            'analysis = "response" needs loads: their values are the amplitudes of harmonic ones'
+            'analysis = "response" needs loads that are not fixed: their values are the amplitudes of harmonic ones'
         )

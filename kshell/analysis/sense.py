@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from kshell.errors import InputError
 from kshell.scene.options import SolveOptions
 from kshell.scene.structure import Structure
@@ -9,6 +11,16 @@ from kshell.values.naming import listing
 
 # analyses that take a flat structure as a plate in bending, with what its loads do in the plane found beside it
 BENDING = ("modes", "buckling")
+
+
+def at_rest_first(options: SolveOptions) -> bool:
+    """Whether some loads act at rest before others shake the structure: those with fixed = true."""
+    return options.analysis == "response" and bool(options.prestress)
+
+
+def shaking(structure: Structure) -> Structure:
+    """The structure under the loads that shake it alone."""
+    return replace(structure, loads=tuple(placed for placed in structure.loads if not placed.item.fixed))
 
 
 def require_sense(structure: Structure, options: SolveOptions) -> None:
@@ -58,10 +70,11 @@ def require_sense(structure: Structure, options: SolveOptions) -> None:
             "tolerance: the error of a path is not known: leave it out, or take one state with "
             "large_deflection = true"
         )
-    if options.large_deflection is True and options.analysis in BENDING and not options.prestress:
+    linear = options.analysis in (*BENDING, "response")
+    if options.large_deflection is True and linear and not options.prestress:
         instead = (
-            "give prestress = true, for modes about the state of large deflections"
-            if options.analysis == "modes"
+            f"give prestress = true, for {options.analysis} about the state of large deflections"
+            if options.analysis != "buckling"
             else 'follow the path, analysis = "path"'
         )
         raise InputError(

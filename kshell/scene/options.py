@@ -212,7 +212,7 @@ class SolveOptions:
         Modes with frequencies in a range, instead of a number of them.
     prestress : bool or float [1]
         Of modes: the loads act before the structure vibrates; a number is the factor at which they do, but those that
-        are fixed.
+        are fixed. Of a response: those with fixed = true act at rest, the others shake.
     error : "auto" or "off"
         Whether intervals are found for what is computed.
     time : float, optional [time]

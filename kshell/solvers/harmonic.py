@@ -1,4 +1,4 @@
-"""One complex symmetric system for every frequency: (K (1 + i omega tau) + i omega d M - omega^2 M) x = f.
+"""One complex symmetric system for every frequency: (K (1 + i omega tau) + G + i omega d M - omega^2 M) x = f.
 
 SuperLU orders the pattern by minimum degree and takes its pivots on the diagonal, which for such matrices mostly holds;
 where corrections by the residual do not become small, it chooses its pivots by size.
@@ -22,7 +22,13 @@ STEPS = 3
 
 
 def harmonic_solution(
-    stiffness: Any, mass: Any, load: Floats, omega: float, viscosity: float, drag: float
+    stiffness: Any,
+    mass: Any,
+    load: Floats,
+    omega: float,
+    viscosity: float,
+    drag: float,
+    geometric: Any = None,
 ) -> Complexes:
     """(n,) complex amplitudes under a load (n,) at a circular frequency.
 
@@ -31,6 +37,8 @@ def harmonic_solution(
     stiffness, mass : (n, n) sparse matrices
     viscosity, drag : float
         tau and d.
+    geometric : (n, n) sparse matrix, optional
+        G, of stresses at rest, which damp nothing.
 
     Raises
     ------
@@ -39,7 +47,8 @@ def harmonic_solution(
     """
     factor = 1.0 + 1j * omega * viscosity if viscosity else 1.0
     inertia = omega**2 - 1j * omega * drag if drag else omega**2
-    matrix = (stiffness * factor - mass * inertia).tocsc()
+    matrix = stiffness * factor - mass * inertia
+    matrix = (matrix if geometric is None else matrix + geometric).tocsc()
     for diagonal in (True, False):
         x = _refined(matrix, load.astype(matrix.dtype), diagonal)
         if x is not None:

@@ -1,5 +1,7 @@
 """Harmonic response: against one mode in closed form, against a direct solution, and what is refused."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -7,6 +9,7 @@ import scipy.sparse as sp
 import kshell as ks
 from kshell.analysis.models import model_of
 from kshell.solvers.harmonic import harmonic_solution
+from tests.analysis.test_buckling import press
 from tests.analysis.test_modes import square
 
 RATIO = 0.02
@@ -73,7 +76,7 @@ def test_picture_and_document():
     [
         ({}, "needs a range"),
         ({"range": (0, 5), "count": 3}, "count is for"),
-        ({"range": (0, 5), "prestress": True}, "prestress is for"),
+        ({"range": (0, 5), "prestress": True}, "needs loads, or a prescribed motion, with fixed = true"),
         ({"range": (0, 5), "damping": {"ratio": [0.02]}, "scheme": "direct"}, "a ratio for every mode"),
         ({"range": (0, 5), "scheme": "alpha"}, 'scheme = "alpha" is for analysis = "dynamic"'),
     ],
@@ -122,6 +125,59 @@ def test_ratios_of_the_modes():
     assert viscous.response["damping"] == pytest.approx(RATIO * omega / omega[0])
     dragged = ks.solve(shaken(FORCE, damping={"drag": 0.4}, range=(0, 6)))
     assert dragged.response["damping"] == pytest.approx(0.2 / omega)
+
+
+def tuned(n_x, more=(), n=6, **options):
+    """A thin supported square, D = mass = 1, pressed by n_x pi^2 along x at rest, shaken by LOAD."""
+    loads = [*more, *press(n_x, fixed=True)]
+    scene = square("SSSS", n=n, loads=loads, thickness=0.01)
+    return dataclasses.replace(
+        scene, probes=CENTRE, damping=ks.Damping(ratio=RATIO),
+        solve={"analysis": "response", "range": (0, 6), "prestress": True, **options},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("scheme", ["modes", "direct"])
+@pytest.mark.parametrize(
+    ("n_x", "options", "close"),
+    [(2.0, {}, 1e-4), (-2.0, {}, 1e-4), (2.0, {"model": "shell", "order": 3}, 1e-3)],
+)
+def test_loads_at_rest_tune_a_plate(n_x, options, close, scheme):
+    """K + G = 4 pi^4 (1 - n_x / 4); the ratio is of that mode, though K alone is viscous."""
+    result = ks.solve(tuned(n_x, [LOAD], n=4, **options))
+    k = 4 * np.pi**4
+    stiff = k * (1 - n_x / 4)
+    omega = 2 * np.pi * np.array(result.response["frequency"])
+    viscosity = 2 * RATIO * np.sqrt(stiff) / k
+    exact = 1 / (stiff + 1j * omega * viscosity * k - omega**2)
+    assert np.abs(complex_at(result)[:, 2] - exact).max() < close * np.abs(exact).max()
+    assert result.response["damping"][0] == pytest.approx(RATIO)
+    assert result.response["modes"][0] == pytest.approx(np.sqrt(stiff) / (2 * np.pi), rel=close)
+
+
+def test_a_plate_bent_at_rest_vibrates_about_that_state():
+    """Stretched in large deflections, without a turn: as by linear theory."""
+    one, other = (
+        ks.solve(tuned(-2.0, [LOAD], n=2, model="shell", order=2, **more))
+        for more in ({"large_deflection": True}, {})
+    )
+    assert one.response["modes"] == pytest.approx(other.response["modes"], rel=1e-3)
+    assert any("state of large deflections" in words for words in one.model["reasons"])
+
+
+@pytest.mark.parametrize(
+    ("n_x", "more", "options", "message"),
+    [
+        (5.0, [LOAD], {}, "beyond buckling: the structure does not vibrate"),
+        (1.0, [LOAD], {"prestress": 0.5}, "prestress = 0.5 in a response"),
+        (1.0, [LOAD], {"prestress": False}, "has fixed = true, and does not shake"),
+        (1.0, [], {}, "needs loads that are not fixed"),
+        (1.0, [LOAD], {"prestress": False, "large_deflection": True}, "for response about the state"),
+    ],
+)
+def test_refused_at_rest(n_x, more, options, message):
+    with pytest.raises(ks.InputError, match=message):
+        ks.solve(tuned(n_x, more, n=2, **options))
 
 
 def test_resonance_without_damping():
