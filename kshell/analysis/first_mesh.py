@@ -17,7 +17,7 @@ from kshell.errors import InputError
 from kshell.mesh.insert import with_vertices
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect, bisect_around
-from kshell.plate.corners import corner_exponents
+from kshell.plate.corner_exponents import corner_exponents
 from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
@@ -52,7 +52,7 @@ def plate_start(
     mesh, left = with_vertices(mesh, places)
     pair = pair and not any(number < len(probes) for number in left)
     tolerance = float(run.options.tolerance)
-    exponents = corner_exponents(problem.mesh, problem.supports)
+    exponents = corner_exponents(problem)
     corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
     for place, exponent in zip(corners, exponents.values(), strict=True):
         mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), halvings(exponent, tolerance))

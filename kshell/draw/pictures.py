@@ -50,8 +50,9 @@ SHELL_FIELDS: dict[str, tuple[str, int, str]] = {
 
 def pictures(result: Result) -> tuple[str, ...]:
     """The names of the pictures that a result has; of a refined one its error on the mesh, and how it fell."""
+    along = ("reactions",) if any(len(values["s"]) for values in result.along_supports.values()) else ()
     refined = ("error", "convergence") if result.last_mesh is not None else ()
-    return (*_of_analysis(result), *refined)
+    return (*_of_analysis(result), *along, *refined)
 
 
 def _of_analysis(result: Result) -> tuple[str, ...]:

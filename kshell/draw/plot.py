@@ -16,6 +16,7 @@ from kshell.draw.mode_plot import mode_figure, modes_figure
 from kshell.draw.path_plot import path_figure
 from kshell.draw.pictures import MODAL, picture_values, pictures
 from kshell.draw.png import png
+from kshell.draw.reactions_plot import reactions_figure
 from kshell.draw.response_plot import response_figure
 from kshell.draw.scene_plot import plot_scene
 from kshell.draw.surface_plot import plot_surface_scene, surface_figure
@@ -46,6 +47,8 @@ def plot(result: Result, what: str = "deflection", fields: Callable[[], FieldFig
         return error_figure(result)
     if what == "convergence":
         return levels_figure(result)
+    if what == "reactions":
+        return reactions_figure(result)
     if what == "response":
         return response_figure(result)
     if what == "history":

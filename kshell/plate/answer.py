@@ -105,6 +105,7 @@ def _recovered(
         sheets=probed.sheets,
         probe_triangles=probed.triangles,
         reactions=reactions.groups,
+        along_supports=reactions.along,
         balance=reactions.balance,
         strain_energy=strain_energy,
         energies=parts,

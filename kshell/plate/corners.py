@@ -23,7 +23,6 @@ Floats = NDArray[np.float64]
 
 OBTUSE = np.radians(120.0)
 RE_ENTRANT = np.radians(190.0)
-ALIKE = 1e-9  # exponents that differ by rounding
 SMOOTH = 1 - 1e-6  # cosine between tangents that belong to one smooth line
 
 
@@ -84,55 +83,3 @@ def singular_corners(mesh: Mesh, found: Mapping[int, str], angles: Mapping[int, 
             "the deflection converges slowly: refine the mesh towards the corner"
         )
     return out
-
-
-def corner_exponents(mesh: Mesh, supports: Supports, shape: EdgeCurves | None = None) -> dict[int, float]:
-    """Exponents lambda < 2 of the deflection, r^lambda, at corners between edges that are supported or clamped alike.
-
-    Between supported edges sin(lambda omega) = 0 or sin((lambda - 2) omega) = 0, between clamped ones lambda = 1 + l
-    with sin(l omega) = - l sin(omega) or sin(l omega) = l sin(omega); other corners are left out.
-    """
-    held = np.zeros(len(mesh.edges), dtype=bool)
-    clamped = np.zeros(len(mesh.edges), dtype=bool)
-    for group in supports.held:
-        held[group.line] = True
-        turned = np.zeros(len(mesh.edges), dtype=bool)
-        turned[group.edges] = True
-        clamped[group.line] |= turned[group.line]
-    around: dict[int, list[int]] = {}
-    for e in mesh.boundary_edges.tolist():
-        for v in mesh.edges[e].tolist():
-            around.setdefault(v, []).append(e)
-    out = {}
-    for v, omega in corner_angles(mesh, shape).items():
-        edges = around[v]
-        if clamped[edges].all():
-            exponent = 1.0 + _clamped_root(omega)
-        elif held[edges].all() and not clamped[edges].any():
-            candidates = [np.pi / omega, 2 * np.pi / omega, 2 - np.pi / omega, 3 * np.pi / omega]
-            exponent = min((c for c in candidates if c > 1 + ALIKE and abs(c - 2) > ALIKE), default=2.0)
-        else:
-            continue
-        if exponent < 2.0:
-            out[v] = float(exponent)
-    return out
-
-
-def _clamped_root(omega: float) -> float:
-    """The smallest l in (0, 1) with sin(l omega)^2 = l^2 sin(omega)^2; 1 where there is none."""
-    from scipy.optimize import brentq
-
-    steps = np.linspace(0.3, 0.999, 200)
-    roots = [1.0]
-    for sign in (1.0, -1.0):
-
-        def left(x: float, sign: float = sign) -> float:
-            return float(np.sin(x * omega) + sign * x * np.sin(omega))
-
-        values = [left(x) for x in steps]
-        roots += [
-            float(brentq(left, a, b))
-            for a, b, fa, fb in zip(steps[:-1], steps[1:], values[:-1], values[1:], strict=True)
-            if fa * fb < 0
-        ]
-    return min(roots)

@@ -71,6 +71,8 @@ class Result:
         Per probe x, u, rotation, M, N, stress_top, stress_bottom as arrays, found when they are first looked at.
     reactions : dict of str to dict
         Per support group force (3,) and moment (3,) of the support on the plate.
+    along_supports : dict of str to dict
+        How reactions are distributed along lines, see `reaction_along`; found when they are looked at.
     balance : float
         Relative error of the equilibrium of loads and reactions.
     strain_energy, external_work : float
@@ -144,6 +146,7 @@ class Result:
     frame: str = "global x, y"
     probes: MutableMapping[str, dict[str, Any]] = field(default_factory=dict)
     reactions: Mapping[str, MutableMapping[str, Any]] = field(default_factory=dict)
+    along_supports: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     balance: float = 0.0
     strain_energy: float = 0.0
     external_work: float = 0.0
@@ -268,6 +271,52 @@ class Result:
         values = self.at(points)
         values["distance"] = np.linalg.norm(values["x"] - points, axis=1)
         return {"s": np.linalg.norm(points - points[0], axis=1), **values}
+
+    def reaction_along(self, support: str) -> dict[str, Any]:
+        """How the reaction of a support is distributed along its lines.
+
+        Parameters
+        ----------
+        support : str
+            A key of `reactions`.
+
+        Returns
+        -------
+        dict
+            line (n,): number of the line, divided at corners; s (n,): length along it; x (n, 3); force and moment
+            (n, 3) per length of the support on the structure, at the ends of every edge and at three points between;
+            ends: list of {"at" (3,), "force" (3,)}, concentrated forces at corners, ends and points; resultant: force
+            and moment (3,) about the origin, of all of these.
+
+        Notes
+        -----
+        The line forces are those whose work on the functions of the element is that of the nodal forces
+        (`kshell.elements.along`), not derivatives of the solution. Supports share nothing but the force at a corner,
+        in equal parts, so that resultants of supports that meet differ from `reactions` by how nodal forces there are
+        shared; their sum does not.
+
+        Raises
+        ------
+        InputError
+            If there is no such support along a line.
+        SolveError
+            If this result does not know it: one that was read from files, or of Argyris shells.
+        """
+        if support in self.along_supports:
+            return self.along_supports[support]
+        if support not in self.reactions:
+            raise InputError(
+                f'no support "{support}": {suggestion(support, self.reactions)}the supports are '
+                f"{listing(self.reactions)}"
+            )
+        if self.along_supports:
+            raise InputError(
+                f'support "{support}" is not along a line: only its resultant is known, result.reactions'
+            )
+        raise SolveError(
+            "this result has the resultants of its supports only (result.reactions): distributions are found by a "
+            "solve, and not of Argyris shells or from files"
+        )
 
     def cut(self, point: ArrayLike, normal: ArrayLike) -> dict[str, Any]:
         """Section forces where a plane cuts the surface: what the part on the side of the normal exerts on the other.

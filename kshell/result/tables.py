@@ -46,6 +46,15 @@ def _of_one(result: Result) -> Iterator[tuple[str, list[Row]]]:
             for name, values in result.reactions.items()
         ],
     )
+    yield "reactions_along", [row for name in result.along_supports for row in _along(result, name)]
+    yield (
+        "reactions_at_ends",
+        [
+            {"support": name, **_flat(end)}
+            for name, values in result.along_supports.items()
+            for end in values["ends"]
+        ],
+    )
     yield "eigen", [{"number": k, **_flat(entry)} for k, entry in enumerate(result.eigen, 1)]
     yield "path", [_flat(entry) for entry in result.path]
     for name, values in result.lines.items():
@@ -53,6 +62,13 @@ def _of_one(result: Result) -> Iterator[tuple[str, list[Row]]]:
             f"line-{safe(name)}",
             [_flat({key: part[k] for key, part in values.items()}) for k in range(len(values["s"]))],
         )
+
+
+def _along(result: Result, support: str) -> Iterator[Row]:
+    values = result.along_supports[support]
+    for k in range(len(values["s"])):
+        parts = {key: values[key][k] for key in ("line", "s", "x", "force", "moment")}
+        yield {"support": support, **_flat(parts)}
 
 
 def _envelope(result: Result) -> Iterator[Row]:

@@ -119,8 +119,20 @@ def _answer(
     """Result of any solution; forces act at places displaced by `moved`; `pushed`: others than loads act, too."""
     initial, energy = problem.loads.initial, problem.energy
     held_back = None if initial is None else energy.linear_forces(energy.stress(initial))
-    groups, balance = find_reactions(
-        problem.discretisation, problem.supports, solution, loads, problem.reduction, moved, held_back
+    points = [
+        placed.place.members
+        for placed in problem.structure.loads
+        if placed.place is not None and placed.place.dimension == 0
+    ]
+    groups, balance, along = find_reactions(
+        problem.discretisation,
+        problem.supports,
+        solution,
+        loads,
+        problem.reduction,
+        moved,
+        held_back,
+        np.concatenate(points) if points else None,
     )
     energies = _energies(problem, fields.recovery, solution)
     largest = float(np.abs(solution.x / problem.discretisation.unknown_sizes()).max())
@@ -152,6 +164,7 @@ def _answer(
         sheets=probed.sheets,
         probe_triangles=probed.triangles,
         reactions=groups,
+        along_supports=along,
         balance=balance,
         strain_energy=sum(energies.values()),
         energies=energies,

@@ -18,6 +18,7 @@ from kshell.equilibrium.energy import StrainEnergy
 from kshell.equilibrium.reduction import Reduction
 from kshell.material.inelastic import Inelastic
 from kshell.mesh.select import Selection
+from kshell.result.along_supports import AlongSupport
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
 from kshell.shell.section import Section
@@ -69,9 +70,12 @@ class Discretisation(ABC):
     unknowns : int
     loads : module
         Functions that turn values into forces on the unknowns.
+    knows_along_edges : bool
+        Whether it has `along_edges`.
     """
 
     name: str
+    knows_along_edges: bool = False
     loads: ModuleType
     order: int
     surface: Any
@@ -158,6 +162,18 @@ class Discretisation(ABC):
         InputError
             Where there are none such.
         """
+
+    def along_edges(
+        self,
+        edges: Ints,
+        points: Ints,
+        forces: Floats,
+        springs: Floats,
+        stops: NDArray[np.bool_],
+        moved: Floats | None = None,
+    ) -> tuple[AlongSupport, NDArray[np.bool_]]:
+        """Forces (unknowns,) of what is held and of springs per length of edges; see `kshell.shell.koiter.along`."""
+        raise NotImplementedError(f"{self.name} does not know forces along edges")
 
     @abstractmethod
     def mass(self, density: Floats) -> sp.csr_matrix:

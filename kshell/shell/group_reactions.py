@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.linear import LinearSolution
 from kshell.equilibrium.reduction import Reduction
+from kshell.mesh.select import Selection
 from kshell.result.deferred import Deferred
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.supports import ShellSupports
@@ -34,8 +36,9 @@ def find_reactions(
     reduction: Reduction,
     moved: Floats | None = None,
     held_back: Floats | None = None,
-) -> tuple[Deferred[dict[str, Floats]], float]:
-    """Reactions per group, computed when they are looked at, and the relative error of equilibrium.
+    loaded: NDArray[np.integer] | None = None,
+) -> tuple[Deferred[dict[str, Floats]], float, Deferred[dict[str, Any]]]:
+    """Reactions per group, computed when they are looked at, the relative error of equilibrium, and distributions.
 
     Parameters
     ----------
@@ -45,12 +48,16 @@ def find_reactions(
         Motion to the state in which forces have their arms; the shell at rest if absent.
     held_back : (unknowns,), optional
         Forces that would hold strains without stress back: what a body that is free to take them up is compared with.
+    loaded : int array, optional
+        Vertices with concentrated loads.
 
     Returns
     -------
     groups : dict of label to {"force" (3,), "moment" (3,) about the origin of the coordinates}
     balance : float
         What loads and reactions leave over, relative to the largest of them.
+    along : dict of label to dict
+        Reactions along lines, as of `Result.reaction_along`.
     """
     about_origin = discretisation.rigid_motions(np.zeros(3), 1.0, moved)
     centre, size = discretisation.extent()
@@ -63,9 +70,13 @@ def find_reactions(
     labels += [label for label, _ in springs]
 
     @cache
+    def shared() -> list[tuple[str, Floats]]:
+        return _shared(supports, solution.forces, sizes)
+
+    @cache
     def groups() -> dict[str, dict[str, Floats]]:
         out: dict[str, dict[str, Floats]] = {}
-        for label, forces in [*_shared(supports, solution.forces, sizes), *springs]:
+        for label, forces in [*shared(), *springs]:
             total = about_origin.T @ forces
             entry = out.setdefault(label, {"force": np.zeros(3), "moment": np.zeros(3)})
             entry["force"] = entry["force"] + total[:3]
@@ -73,18 +84,60 @@ def find_reactions(
         return out
 
     by_label = Deferred({label: partial(_entry, groups, label) for label in dict.fromkeys(labels)})
+    along = _along(discretisation, supports, shared, springs, moved, loaded)
     # what all supports exert together needs no shares
     held = [_onto(reduction, solution.forces)] if len(labels) > len(springs) else []
     totals = [scaled.T @ forces for forces in [*loads, *held, *(forces for _, forces in springs)]]
     if not totals:
-        return by_label, 0.0
+        return by_label, 0.0, along
     # forces and moments of supports count one by one, too: of prescribed motion and initial strains nothing is left of
     # their sum
     motion = np.abs(scaled).max(axis=1)
     acting = [*loads, *held, *([] if held_back is None else [held_back])]
     gross = max((float(np.abs(forces * motion).sum()) for forces in acting), default=0.0)
     largest = max(float(np.abs(totals).max()), gross, 1e-300)
-    return by_label, float(np.abs(np.sum(totals, axis=0)).max() / largest)
+    return by_label, float(np.abs(np.sum(totals, axis=0)).max() / largest), along
+
+
+def _along(
+    discretisation: Discretisation,
+    supports: ShellSupports,
+    shared: Callable[[], list[tuple[str, Floats]]],
+    springs: list[tuple[str, Floats]],
+    moved: Floats | None,
+    loaded: NDArray[np.integer] | None,
+) -> Deferred[dict[str, Any]]:
+    """The distribution of each support that holds lines and points only, where the discretisation knows it."""
+    places: dict[str, list[Selection | None]] = {}
+    for group in supports.groups:
+        places.setdefault(group.label, []).append(group.place)
+    mesh = discretisation.surface.mesh
+    stops = np.zeros(len(mesh.points), dtype=bool)
+    stops[[] if loaded is None else loaded] = True
+
+    def members(label: str, dimension: int) -> NDArray[np.integer]:
+        none = np.zeros(0, dtype=np.int32)
+        chosen = (place for place in places[label] if place is not None and place.dimension == dimension)
+        return np.unique(np.concatenate([none, *(place.members for place in chosen)]))
+
+    def find(label: str) -> dict[str, Any]:
+        none = np.zeros(discretisation.unknowns)
+        forces, elastic = (
+            np.sum([none, *(f for name, f in parts if name == label)], axis=0)
+            for parts in (shared(), springs)
+        )
+        found = discretisation.along_edges(
+            members(label, 1), members(label, 0), forces, elastic, stops.copy(), moved
+        )
+        return found[0].document(mesh, found[1])
+
+    on_lines = [
+        label
+        for label, chosen in places.items()
+        if discretisation.knows_along_edges
+        and all(place is not None and place.dimension < 2 for place in chosen)
+    ]
+    return Deferred({label: partial(find, label) for label in on_lines})
 
 
 def _entry(groups: Callable[[], dict[str, dict[str, Floats]]], label: str) -> dict[str, Floats]:

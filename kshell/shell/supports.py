@@ -50,11 +50,14 @@ class HeldGroup:
     label : str
     conditions : of the discretisation, or None for springs
     spring : sparse matrix or None
+    place : Selection, optional
+        Where; None at the point of a rigid link.
     """
 
     label: str
     conditions: Any = None
     spring: sp.csr_matrix | None = None
+    place: Selection | None = None
 
 
 @dataclass
@@ -151,7 +154,7 @@ class _Builder:
         chosen, what = self._where(support, placed)
         for along in support.directions():
             spring = self.discretisation.spring(chosen, along, support.stiffness_at, what)
-            self.out.groups.append(HeldGroup(chosen.label, spring=spring))
+            self.out.groups.append(HeldGroup(chosen.label, spring=spring, place=chosen))
 
     @HANDLERS.of(Symmetry)
     def _symmetry(self, support: Any, placed: Placed[Any]) -> None:
@@ -164,7 +167,7 @@ class _Builder:
                 own.symmetry(edges, normal)
             except InputError as error:
                 raise InputError(f"{what}: {error}") from None
-        self.out.groups.append(HeldGroup(chosen.label, conditions=own))
+        self.out.groups.append(HeldGroup(chosen.label, conditions=own, place=chosen))
 
     @HANDLERS.of(Clamped, SimplySupported, Fixed)
     def _held(self, support: Any, placed: Placed[Any]) -> None:
@@ -185,7 +188,7 @@ class _Builder:
                 conditions.rotations(
                     chosen, what, support.rotation_at if support.rotation is not None else None
                 )
-        self.out.groups.append(HeldGroup(chosen.label, conditions=own))
+        self.out.groups.append(HeldGroup(chosen.label, conditions=own, place=chosen))
 
     @staticmethod
     def _where(support: Any, placed: Placed[Any]) -> tuple[Selection, str]:

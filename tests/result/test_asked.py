@@ -153,7 +153,8 @@ def test_tables(tmp_path):
     result = ks.solve(scene)
     result.save(tmp_path, tables=True)
     names = {path.stem for path in tmp_path.glob("*.csv")}
-    assert names == {"probes", "extremes", "reactions", "line-mid-line", "envelope"}
+    along = {"reactions_along", "reactions_at_ends"}
+    assert names == {"probes", "extremes", "reactions", "line-mid-line", "envelope", *along}
 
     def rows(name):
         with open(tmp_path / f"{name}.csv", newline="", encoding="utf-8") as stream:

@@ -146,7 +146,7 @@ class HHJModel(Model):
         found: HHJSolution = solved.own
         system, problem, mesh = self.system(), self.problem, self.problem.mesh
         fields = HHJFields(problem, self.loads, system, found)
-        forces = reactions(problem, self.loads, system, found)
+        forces = reactions(problem, self.loads, system, found, fields)
         warnings = self.warnings()
         if problem.hanging:
             warnings += problem.drift(
@@ -179,6 +179,7 @@ class HHJModel(Model):
             sheets=probed.sheets,
             probe_triangles=probed.triangles,
             reactions=forces.groups,
+            along_supports=forces.along,
             balance=forces.balance,
             strain_energy=system.energy(found),
             energies=energies,

@@ -12,7 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.plate.along_supports import AlongSupports
+from kshell.plate.domain import EdgePatch
+from kshell.plate.hhj.along import HHJLineForces
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.line_forces import Lines
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.reactions import Reactions
@@ -76,6 +80,11 @@ class HHJFields(Fields):
             return -np.stack([m[..., 0, 0] + m[..., 2, 1], m[..., 2, 0] + m[..., 1, 1]], axis=-1)
 
         return self._on_sorted(triangles, xi, evaluate)
+
+    def on_edges(self, patch: EdgePatch, slope: bool) -> Floats:
+        """w, or w_n along the outward normal, at points of edges: (edge, point)."""
+        values = self.derivatives(patch.triangles, patch.xi, int(slope))
+        return np.asarray((values * patch.normal).sum(axis=2) if slope else values[..., 0])
 
     def _on_sorted(self, triangles: Ints, xi: Floats, evaluate: Any) -> Floats:
         """Values at points given in the mesh's own triangles, from a function of those with sorted vertices."""
@@ -147,7 +156,9 @@ def _along_arcs(
         turning[number] -= missed[here] * arcs.pure[here, edge, None]
 
 
-def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution) -> Reactions:
+def reactions(
+    problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution, fields: HHJFields
+) -> Reactions:
     """Forces of the supports on the plate, by the work of what is left over on rigid motions."""
     mesh, triangles, numbering = problem.mesh, system.triangles, system.numbering
     points = mesh.points[:, :2]
@@ -210,4 +221,11 @@ def reactions(problem: PlateProblem, loads: Loads, system: HHJSystem, solution: 
     for label, (force, mx, my) in totals.items():
         moment = np.array([mx + centre[1] * force, my - centre[0] * force, 0.0])
         documents[label] = {"force": np.array([0.0, 0.0, force]), "moment": moment}
-    return Reactions(documents, balance, left_over)
+    along = AlongSupports(
+        problem.domain,
+        problem.supports,
+        lambda: Lines(problem.domain, problem.supports, loads.forms),
+        lambda lines: HHJLineForces(problem.domain, system, lines, residual),
+        fields.on_edges,
+    )
+    return Reactions(documents, balance, left_over, along.documents())

@@ -18,10 +18,12 @@ from kshell.equilibrium.reduction import Reduction
 from kshell.material.inelastic import Inelastic
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
+from kshell.result.along_supports import AlongSupport
 from kshell.shell.discretisation import Conditions, Discretisation
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
 from kshell.shell.koiter import loads
+from kshell.shell.koiter.along import along_edges
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.initial import initial_strain
 from kshell.shell.koiter.loads import (
@@ -77,6 +79,7 @@ class KoiterDiscretisation(Discretisation):
     """
 
     name = "koiter"
+    knows_along_edges = True
     loads = loads
 
     def __init__(
@@ -209,6 +212,17 @@ class KoiterDiscretisation(Discretisation):
         blocks = along_directions(weight * stiffness(points), shape, direction)
         unknowns = 3 * nodes.astype(np.int64)[:, :, None] + np.arange(3)
         return scattered(unknowns.reshape(len(nodes), -1), blocks, self.unknowns)
+
+    def along_edges(
+        self,
+        edges: Ints,
+        points: Ints,
+        forces: Floats,
+        springs: Floats,
+        stops: NDArray[np.bool_],
+        moved: Floats | None = None,
+    ) -> tuple[AlongSupport, NDArray[np.bool_]]:
+        return along_edges(self.surface, edges, points, forces, springs, stops, moved)
 
     def moved_rigidly(self, chosen: Selection, what: str) -> Ints:
         """Translations of the nodes, and rotations of the edges."""

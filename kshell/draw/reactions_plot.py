@@ -1,0 +1,87 @@
+"""Reactions along supports: force and moment per length over the place on each line, forces at ends in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.result.result import Result
+from kshell.values.units import labelled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+MOST = 8  # supports drawn: those with the largest forces
+SMALL = 1e-3  # components smaller than this part of the largest of all supports are not drawn
+SOME = 0.02  # forces at ends smaller than this part of the largest resultant are not named
+MOST_ENDS = 2
+# powers of force and length in their units
+KEYS: dict[str, tuple[int, int]] = {"force": (1, -1), "moment": (1, 0)}
+COLOURS = ("#b2182b", "#1a7a4c", "#2166ac")  # of x, y, z
+
+
+def reactions_figure(result: Result) -> Figure:
+    """One row per support, forces on the left, moments on the right where there are some."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    every = {name: result.reaction_along(name) for name in result.along_supports}
+    lines = {name: found for name, found in every.items() if len(found["s"])}
+    chosen = sorted(lines, key=lambda name: -np.linalg.norm(lines[name]["resultant"]["force"]))[:MOST]
+    chosen = [name for name in lines if name in chosen]
+    largest = {key: max((np.abs(lines[n][key]).max() for n in chosen), default=0.0) for key in KEYS}
+    keys = [key for key in KEYS if largest[key] > 0.0] or ["force"]
+    rows = len(chosen)
+    figure = Figure(figsize=(7.5, 2.2 * rows + 0.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    places = figure.subplots(rows, len(keys), squeeze=False)
+    for row, name in zip(places, chosen, strict=False):
+        for axes, key in zip(row, keys, strict=True):
+            if np.abs(lines[name][key]).max() < SMALL * largest[key]:
+                axes.set_axis_off()
+                continue
+            _curves(axes, lines[name], key, largest[key])
+            axes.set_title(labelled(f"{name}: {key} per length", result.units, *KEYS[key]), fontsize=9)
+            axes.legend(fontsize=8)
+        row[0].set_xlabel(_at_ends(every, name), fontsize=7, loc="left")
+    if result.title:
+        figure.suptitle(result.title, fontsize=11)
+    return figure
+
+
+def _curves(axes: Axes, found: dict[str, Any], key: str, largest: float) -> None:
+    """Each component over the length; lines after each other with a gap."""
+    starts = np.flatnonzero(np.diff(found["line"])) + 1
+    s, start = np.array(found["s"], dtype=float), 0.0
+    for part in np.split(np.arange(len(s)), starts):
+        s[part] += start
+        start = s[part[-1]]
+        axes.axvline(start, color="0.8", linewidth=0.8)
+    gaps = np.insert(s, starts, np.nan)
+    for axis, letter in enumerate("xyz"):
+        values = found[key][:, axis]
+        if np.abs(values).max() >= SMALL * largest:
+            broken = np.insert(values, starts, np.nan)
+            axes.plot(gaps, broken, color=COLOURS[axis], linewidth=1.1, label=letter)
+    axes.axhline(0.0, color="black", linewidth=0.5)
+    axes.tick_params(labelsize=7)
+    axes.locator_params(nbins=5)
+    axes.set_xlim(0.0, max(start, 1e-300))
+
+
+def _at_ends(every: dict[str, dict[str, Any]], name: str) -> str:
+    """What is drawn over, and the largest forces at ends of a support in words."""
+    scale = max(float(np.linalg.norm(found["resultant"]["force"])) for found in every.values())
+    words = []
+    ends = sorted(every[name]["ends"], key=lambda end: -float(np.linalg.norm(end["force"])))
+    for end in ends[:MOST_ENDS]:
+        if np.linalg.norm(end["force"]) >= SOME * scale:
+            where = ", ".join(f"{x:.4g}" for x in end["at"])
+            force = ", ".join(f"{0.0 if abs(f) < 1e-9 * scale else f:.4g}" for f in end["force"])
+            words.append(f"({force}) at ({where})")
+    return "\n".join(["length along the line", *([f"at ends: {'; '.join(words)}"] if words else [])])
