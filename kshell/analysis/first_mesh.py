@@ -9,7 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.run import Run
-from kshell.error.geometry_share import domed, share_of_cubics, turn_of_triangles
+from kshell.error.geometry_share import (
+    curvature_of_triangles,
+    domed,
+    share_of_chart,
+    turn_of_triangles,
+)
 from kshell.error.marking import halvings
 from kshell.error.plates import vertex_at
 from kshell.error.premises import require_pair
@@ -84,10 +89,13 @@ def shell_start(run: Run, mesh: Mesh, membrane: float) -> Mesh:
     if run.scene.chart is None:
         return mesh
     most = SHARE_SHAPE * float(run.options.tolerance)
+    order = 3 if run.options.order == "auto" else int(run.options.order)
     for _ in range(MOST_CUTS):
-        space = run.on_mesh(mesh).structure.space
+        structure = run.on_mesh(mesh).structure
+        space = structure.space
         turn = turn_of_triangles(space)
-        share = share_of_cubics(turn, domed(space), membrane)
+        slender = structure.thickness * curvature_of_triangles(space)
+        share = share_of_chart(order, turn, domed(space), membrane, slender)
         large = (turn > LARGEST_TURN) | ((turn > TURN) & (share > most))
         if not large.any():
             break

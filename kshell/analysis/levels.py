@@ -61,6 +61,7 @@ class Refinement:
     levels: list[Level] = field(default_factory=list)
     why_not: str = ""
     frozen: float = 0.0  # share of a shape that refining adds nothing to
+    quartics: bool = False  # in the place of cubics
 
 
 def next_mesh(loop: Refinement, level: Level, tolerance: float) -> Mesh:

@@ -31,6 +31,7 @@ from kshell.values.varying import is_constant
 # up to here a factorisation of the Argyris matrix takes seconds; beyond, Morley keeps it there
 ARGYRIS_UP_TO = 100_000
 ORDERS = {"morley": 2, "argyris": 5}
+DERIVATIVES = 2  # of charts, which Argyris elements look at
 # order of HHJ plates up to so many triangles: few elements of a high order cost least where the deflection is smooth,
 # meshes of many are graded toward what is not
 HHJ_ORDERS = ((6, 200.0), (5, 2000.0), (4, 20000.0), (3, np.inf))
@@ -199,7 +200,7 @@ def _on_chart(structure: Structure, options: SolveOptions, why: str) -> ModelCho
         if across:
             raise InputError(f'element = "argyris": {across}: {USE_KOITER}, or leave element out')
         return ModelChoice("shell", "argyris", 5, (why, "element argyris: as asked for"))
-    thickness, size = _largest_thickness(structure), _size_on_chart(structure)
+    thickness, size = float(structure.thickness.max()), _size_on_chart(structure)
     beyond = _beyond_argyris(structure, options)
     if thickness >= THINNEST * size and not beyond:
         reason = (
@@ -222,6 +223,9 @@ def _beyond_argyris(structure: Structure, options: SolveOptions) -> str:
     """What the Argyris element on charts does not have, in words; empty if it has everything."""
     from kshell.shell.chart.lines import has_curved_edges, large_across_lines
 
+    given = structure.chart.map.highest
+    if given < DERIVATIVES:
+        return f"the chart has derivatives up to order {given} only"
     if structure.section.inelastic() and options.analysis in ("static", "path", "dynamic"):
         return "the material remembers its past"
     if structure.imperfection is not None:
@@ -246,12 +250,6 @@ def _held_by_koiter_only(held: Placed[Support]) -> bool:
         return False
     turned = "r" in support.freedoms and not set("xyz") <= set(support.freedoms)
     return turned or (support.value is not None and not is_constant(support.value))
-
-
-def _largest_thickness(structure: Structure) -> float:
-    mesh = structure.space
-    centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
-    return float(structure.section.thickness(np.arange(len(mesh.triangles)), centres).max())
 
 
 def _size_on_chart(structure: Structure) -> float:

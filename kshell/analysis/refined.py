@@ -44,6 +44,7 @@ MOST_LEVELS = 60
 STALLED = 0.8  # a level that leaves more of the half width than this, with half as many unknowns more, gains nothing
 GAINLESS = 3  # such levels in a row, after which refining ends
 GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
+QUARTICS = "order 4: quartics follow a chart so closely that its shape takes no triangles of its own"
 BYTES = 30e3  # memory of a direct solve for each unknown, about
 
 
@@ -68,14 +69,20 @@ def analyse(model: Model, run: Run) -> Result:
     if not (isinstance(model, PlateModel | HHJModel) and run.options.large_deflection is False):
         first = answer_once(model, run)  # which decides between plate and shell, small and large deflections
         model = first.model
+    large = first is not None and bool(first.result.model["large_deflection"])
+    quartics = (
+        isinstance(model, KoiterModel)
+        and (run.scene.chart is not None and not large)
+        and (model.order, run.options.order) == (3, "auto")
+    )
     held: dict[str, Any] = {"model": model.kind, "element": model.element}
     if model.element == "hhj":  # whose order is that of the number of triangles otherwise
         held["order"] = model.order
-    run = run.with_options(
-        **held, large_deflection=first is not None and bool(first.result.model["large_deflection"])
-    )
+    elif quartics:
+        held["order"] = 4
+    run = run.with_options(**held, large_deflection=large)
     mesh = longest_first(model.structure.parameters)
-    loop = Refinement(run, names, False, begin, Refiner(run.scene, model))
+    loop = Refinement(run, names, False, begin, Refiner(run.scene, model), quartics=quartics)
     followed = loop.refiner.followed
     if isinstance(model, PlateModel | HHJModel):
         mesh, loop.pair = plate_start(model, mesh, names, run)
@@ -271,6 +278,8 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
                 [*(w for w in first.result.warnings if "times the thickness" in w), *result.warnings]
             )
         ]
+    if loop.quartics:
+        reasons[:] = [*(words for words in reasons if not words.startswith("order ")), QUARTICS]
     what = ", ".join(loop.names) if loop.names else "the energy"
     counts = (
         f"{count(len(loop.levels), 'mesh', 'meshes')}, {loop.levels[0].unknowns} to {level.unknowns} unknowns"

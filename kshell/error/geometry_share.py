@@ -3,10 +3,18 @@
 Relative, weighted with the energy that each triangle stores. A quadratic triangle whose normal turns by an angle phi
 changes deflections by about 0.2 phi^4 at most (Scordelis-Lo roof, pinched cylinder and hemisphere with three meshes
 each: 1e-5 to 1e-3 at phi = 0.17 to 0.39), facets that meet at an angle phi by about phi (the same roof: 18, 8 and 4 %).
-Cubic interpolants of a chart change them by at most 5e-4 phi^3 + 1e-2 phi^5 (tubes and bent strips under edge loads and
-couples, spheres under pressure on regular meshes; phi = 0.05 to 0.54), and by 0.03 phi^3 where membrane forces are
-carried by a dome (spheres under pressure and edge loads on meshes that grow finer toward
-some place; phi = 0.05 to 0.13).
+
+Interpolants of a chart, by regular meshes, such as grow finer toward some place, and such with triangles cut at random;
+m is the share of the membrane in the energy, d is 1 on domes and 0 on cylinders and saddles, t / R the thickness over
+the smallest radius of curvature:
+
+    cubic      (5e-4 + 0.03 m d) phi^3 + 0.06 m phi^4 + 0.01 phi^5 + 0.01 (t / R)^2 phi^2
+    quartic    2e-3 m d phi^4 + (1e-3 + 0.02 m d) phi^6 + 5e-4 (t / R)^2 phi^4
+
+Cubics have the term m phi^4 of tubes under forces on a free rim, where an ovalling that hardly stretches them turns a
+membrane strain of 1e-6 into 3e-4 of the deflection (phi = 0.26, t / R = 0.01, triangles cut here and there; 6e-5 on a
+regular mesh); quartics lose 3e-7 there. Those with m d are spheres under pressure and edge loads, those with t / R
+strips bent to a quarter of a circle (t / R = 0.1, 0.001); phi = 0.05 to 0.54.
 """
 
 from __future__ import annotations
@@ -20,22 +28,34 @@ from kshell.mesh.mesh import Mesh
 Floats = NDArray[np.float64]
 
 QUADRATIC, QUADRATIC_POWER = 0.2, 4
-CUBIC, DOME, QUINTIC = 5e-4, 3e-2, 1e-2
+CUBIC = 5e-4, 3e-2, 6e-2, 1e-2, 1e-2  # phi^3, m d phi^3, m phi^4, phi^5, (t / R)^2 phi^2
+QUARTIC = 2e-3, 1e-3, 2e-2, 5e-4  # m d phi^4, phi^6, m d phi^6, (t / R)^2 phi^4
 ROUND = 0.2  # area on the unit sphere that the normals of a triangle enclose, over the square of its turn: a sphere's
 FLAT = 1e-9  # angle that is rounding
+PAIRS = ((0, 1), (1, 2), (0, 2))  # of corners
 
 
 def turn_of_triangles(mesh: Mesh) -> Floats:
     """(triangle,) largest angle between normals at the corners of triangles of order 2; 0 for flat ones."""
+    return np.asarray(_angles(mesh).max(axis=1))
+
+
+def curvature_of_triangles(mesh: Mesh) -> Floats:
+    """(triangle,) largest angle between normals at two corners over their distance."""
+    x = mesh.points[mesh.triangles]
+    length = np.stack([np.linalg.norm(x[:, j] - x[:, i], axis=1) for i, j in PAIRS], axis=1)
+    return np.asarray((_angles(mesh) / length).max(axis=1))
+
+
+def _angles(mesh: Mesh) -> Floats:
+    """(triangle, 3) angles between the normals at two corners."""
     if mesh.midpoints is None:
-        return np.zeros(len(mesh.triangles))
+        return np.zeros((len(mesh.triangles), 3))
     n = _normals(mesh)
-    out = np.zeros(len(mesh.triangles))
-    for i, j in ((0, 1), (1, 2), (0, 2)):
-        out = np.maximum(
-            out, np.arctan2(np.linalg.norm(np.cross(n[i], n[j]), axis=1), (n[i] * n[j]).sum(axis=1))
-        )
-    return np.where(out < FLAT, 0.0, out)
+    angle = [
+        np.arctan2(np.linalg.norm(np.cross(n[i], n[j]), axis=1), (n[i] * n[j]).sum(axis=1)) for i, j in PAIRS
+    ]
+    return np.where(np.stack(angle, axis=1) < FLAT, 0.0, np.stack(angle, axis=1))
 
 
 def domed(mesh: Mesh) -> Floats:
@@ -80,17 +100,30 @@ def share_of_quadratics(turn: Floats) -> Floats:
     return np.asarray(QUADRATIC * turn**QUADRATIC_POWER)
 
 
-def share_of_cubics(turn: Floats, dome: Floats, membrane: Floats | float) -> Floats:
-    """(triangle,) of cubic interpolants of a chart.
+def share_of_chart(
+    order: int, turn: Floats, dome: Floats, membrane: Floats | float, slender: Floats | float
+) -> Floats:
+    """(triangle,) of interpolants of a chart of order 3 or 4.
 
     Parameters
     ----------
+    order : int
     turn, dome : (triangle,)
         `turn_of_triangles`, `domed`.
     membrane : (triangle,) or float
         Share of the membrane in the energy.
+    slender : (triangle,) or float
+        Thickness over the smallest radius of curvature.
     """
-    return np.asarray((CUBIC + DOME * membrane * dome) * turn**3 + QUINTIC * turn**5)
+    stretched = membrane * dome
+    if order > 3:
+        dome_4, all_6, dome_6, thick = QUARTIC
+        return np.asarray(
+            (dome_4 * stretched + thick * slender**2) * turn**4 + (all_6 + dome_6 * stretched) * turn**6
+        )
+    all_3, dome_3, tube, all_5, thick = CUBIC
+    cubic = (all_3 + dome_3 * stretched) * turn**3 + thick * (slender * turn) ** 2
+    return np.asarray(cubic + tube * membrane * turn**4 + all_5 * turn**5)
 
 
 def share_of_facets(turn: Floats) -> Floats:

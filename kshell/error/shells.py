@@ -12,8 +12,9 @@ from kshell.error.assessment import ENERGY, Assessment, Interval
 from kshell.error.averages import Averages
 from kshell.error.estimate import Estimate
 from kshell.error.geometry_share import (
+    curvature_of_triangles,
     domed,
-    share_of_cubics,
+    share_of_chart,
     share_of_facets,
     share_of_quadratics,
     turn_between,
@@ -135,7 +136,8 @@ def _shares(model: KoiterModel, membrane: Floats, bending: Floats) -> Floats:
     turn = turn_of_triangles(mesh)
     if problem.structure.chart is not None and model.order > 2:
         stretched = membrane / np.maximum(membrane + bending, 1e-300)
-        return share_of_cubics(turn, domed(mesh), stretched)
+        slender = problem.structure.thickness * curvature_of_triangles(mesh)
+        return share_of_chart(model.order, turn, domed(mesh), stretched, slender)
     if mesh.midpoints is not None:
         return share_of_quadratics(turn)
     return share_of_facets(turn_between(mesh, problem.discretisation.patches()[0]))

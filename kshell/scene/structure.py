@@ -154,6 +154,13 @@ class Structure:
     elastic: bool = False
     notes: tuple[str, ...] = ()
 
+    @property
+    def thickness(self) -> Floats:
+        """(triangle,) in the middle of each."""
+        middle = self.space.points[self.space.triangles].mean(axis=1)[:, None]
+        found = self.section.thickness(np.arange(len(middle)), middle)
+        return np.asarray(np.broadcast_to(found, (len(middle), 1))[:, 0])
+
     def on(self, space: Mesh) -> Structure:
         """The same with vertices moved."""
         return replace(self, space=space, section=self.section.on(space))

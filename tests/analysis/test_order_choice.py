@@ -1,9 +1,12 @@
 """The order that `auto` takes: refining a mesh never makes the answer worse."""
 
 import numpy as np
+import pytest
 
 import kshell as ks
 from kshell.analysis.model_choice import true_shape_order
+from kshell.verify.cases import beams
+from kshell.verify.cases.case import TRUE_SURFACE
 
 
 def test_order_never_falls_while_memory_lasts():
@@ -59,3 +62,13 @@ def test_cone_in_torsion_gets_no_worse_across_the_old_threshold():
         shear = result.at([[0.75, 0.0, 0.5]])["N"][0, 2]
         errors.append(abs(abs(shear) / (torque / (2 * np.pi * 0.75**2)) - 1))
     assert max(errors) < 1e-4  # bending leaves 5e-5; quadratics on the finer mesh 7e-4
+
+
+def test_charts_without_second_derivatives_are_koiter_shells():
+    """Which the Argyris element looks at: the Raasch hook, whose curvature jumps."""
+    scene = next(beams.raasch()).build(6, TRUE_SURFACE)
+    result = ks.solve(scene, element="auto", error="off")
+    assert result.model["element"] == "koiter"
+    assert any("derivatives up to order 1 only" in words for words in result.model["reasons"])
+    with pytest.raises(ks.InputError, match="order 2"):
+        ks.solve(scene, element="argyris", error="off")

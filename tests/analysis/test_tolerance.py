@@ -24,6 +24,8 @@ from tests.error.test_estimates import roof
 from tests.plate.hhj_cases import MATERIAL, l_shape, problem, square
 from tests.plate.plates import disk, ellipse, ellipse_centre
 
+MESHES = Path(__file__).parents[2] / "meshes"
+
 SUPPORTED_CENTRE = 0.004062352660675052  # Navier's series
 L_ENERGY = (
     3.578570071565e-3 / 2,
@@ -197,6 +199,42 @@ def test_shells_on_charts_by_estimates() -> None:
     assert np.linalg.norm(found["half_width"]) <= 1e-3 * np.linalg.norm(result.probes["edge"]["u"])
     assert abs(result.probes["edge"]["u"][2] + 0.300592457) <= found["half_width"][2]
     assert len(result.mesh.triangles) > 8
+
+
+def test_a_tube_that_ovals_follows_its_chart() -> None:
+    """A force along its rim, which meshes finer here than there turn into an ovalling.
+
+    Cubics were off by six times their interval. True: closed form of the end of a long tube.
+    """
+    scene = ks.Scene.load(MESHES / "tube.toml", ["solve.large_deflection=false"])
+    result = ks.solve(scene, tolerance=1e-4)
+    assert result.error["estimate"] <= 1e-4
+    off = abs(result.probes["end"]["u"][0] - 2.571965137305223e-3)
+    assert off <= result.error["probes"]["end"]["u"]["half_width"][0]
+    orders = [words[:7] for words in result.model["reasons"] if words.startswith("order")]
+    assert orders == ["order 4"]
+
+
+@pytest.mark.parametrize("order", ["auto", 3])
+def test_a_thick_strip_bent_to_a_quarter_circle(order: int | str) -> None:
+    """By a force at its tip: pi / 4 of bending and pi / 4 t^2 / 3 of stretching, t = 0.1."""
+    mesh = ks.geometry.Plane().parameter_mesh(
+        8, 2, ("root", "tip", "sides", "sides"), u_range=(0, np.pi / 2), v_range=(0, 1)
+    )
+    scene = ks.Scene(
+        mesh,
+        chart=ks.geometry.Chart.from_expressions("sin(u)", "v", "cos(u)"),
+        thickness=0.1,
+        material=ks.Isotropic(E=1.0, nu=0.0),
+        supports=[ks.Clamped("root")],
+        loads=[ks.LineForce("tip", (0.1**3 / 12.0, 0.0, 0.0))],
+        probes={"tip": (1.0, 0.5, 0.0)},
+        solve={"large_deflection": False},
+    )
+    result = ks.solve(scene, tolerance=1e-5, order=order, element="koiter")
+    assert result.error["estimate"] <= 1e-5
+    off = abs(result.probes["tip"]["u"][0] - 0.7880161572754398)
+    assert off <= result.error["probes"]["tip"]["u"]["half_width"][0]
 
 
 def test_the_shape_of_a_mesh_without_geometry_sets_a_limit() -> None:
