@@ -20,7 +20,7 @@ from kshell.distributed.piece import PartSurface, Places, SurfaceData, directors
 from kshell.distributed.refuse import ALONE, INSTEAD
 from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
-from kshell.equilibrium.energy import Energy, Linear, in_blocks
+from kshell.equilibrium.energy import Asked, Energy, Linear, in_blocks
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.errors import InputError
 from kshell.material.inelastic import Inelastic
@@ -156,24 +156,18 @@ class KoiterPiece(Shared):
 
     @on_all
     def evaluate(
-        self,
-        x: Floats,
-        derivatives: int,
-        memory: Directors | None,
-        stress: Floats | None,
-        initial: Floats | None,
-        projected: bool,
-    ) -> tuple[float, Any, Terms | None, Kept | None]:
-        """Energy of a state, its gradient (unknowns,), its Hessian, and its strains with their derivative."""
+        self, x: Floats, derivatives: int, memory: Any, stress: Any, initial: Any, projected: bool
+    ) -> Energy:
+        """As `Koiter.energy`; the Hessian as `Terms`, and the linear strains as `Kept`."""
         own = (self.unknowns.spread(x), derivatives, self._memory(memory), self._rows(stress))
         strain = self._rows(initial)
         found = self.team.together(lambda: self.energy.energy(*own, strain, projected))
         value = self.team.number(lambda: found.value)
         if derivatives == 0:
-            return value, None, None, None
+            return Energy(value)
         gradient = self.unknowns.collect(lambda: found.gradient)
         hessian = None if found.hessian is None else Terms(self.team, self.unknowns, found.hessian)
-        return value, gradient, hessian, Kept(self.team, found.linear)
+        return Energy(value, gradient, hessian, Kept(self.team, found.linear))
 
     @on_all
     def extrapolated_stress(self, kept: Kept, step: Floats) -> Floats:
@@ -247,20 +241,10 @@ class PartedKoiter(Koiter):
         """Of mass per area at the interior points of all triangles."""
         return Scattered(self.piece.mass(density))
 
-    def energy(
-        self,
-        x: Floats,
-        derivatives: int = 0,
-        memory: Any = None,
-        stress: Floats | None = None,
-        initial: Floats | None = None,
-        projected: bool = False,
-    ) -> Energy:
+    def _energy(self, asked: Asked) -> Energy:
         """As that of the whole; the Hessian is `Scattered`, and the linear strains are `Kept`."""
-        value, gradient, hessian, kept = self.piece.evaluate(
-            x, derivatives, self._memory(memory), stress, initial, projected
-        )
-        return Energy(value, gradient, None if hessian is None else Scattered(hessian), kept)
+        found = self.piece.evaluate(*asked._replace(memory=self._memory(asked.memory)))
+        return found._replace(hessian=None if found.hessian is None else Scattered(found.hessian))
 
     def extrapolated_stress(self, linear: Any, step: Floats) -> Floats:
         return self.piece.extrapolated_stress(linear, step)
@@ -290,14 +274,7 @@ class PartedDiscretisation(KoiterDiscretisation):
             raise InputError(f"{ALONE} materials that yield (hardening) or relax (relaxation); {INSTEAD}")
         return PartedKoiter(self.team, self.members, self.surface, section)
 
-    def recovery(
-        self,
-        energy: Koiter,
-        x: Floats,
-        finite: bool = False,
-        memory: Any = None,
-        initial: Floats | None = None,
-    ) -> KoiterRecovery:
-        found = KoiterRecovery(energy, x, finite, memory, initial)
+    def recovery(self, *given: Any, **more: Any) -> KoiterRecovery:
+        found = super().recovery(*given, **more)
         found.know_stress()  # while all processes are here: values may be looked at by one of them
         return found

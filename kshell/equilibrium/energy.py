@@ -61,7 +61,53 @@ class Energy(NamedTuple):
     linear: Any = None  # Linear, comes with the gradient
 
 
-class StrainEnergy(ABC):
+class Asked(NamedTuple):
+    """What an energy is asked for; see `Evaluated.energy`."""
+
+    x: Floats
+    derivatives: int
+    memory: Any
+    stress: Floats | None
+    initial: Floats | None
+    projected: bool
+
+
+class Evaluated(ABC):
+    """What has an energy of states of finite deformation."""
+
+    def energy(
+        self,
+        x: Floats,
+        derivatives: int = 0,
+        memory: Any = None,
+        stress: Floats | None = None,
+        initial: Floats | None = None,
+        projected: bool = False,
+    ) -> Energy:
+        """Energy of a state of finite deformation.
+
+        Parameters
+        ----------
+        x : (unknowns,)
+        derivatives : 0, 1 or 2
+        memory : object, optional
+            Of the state; that of the rest state if absent.
+        stress : (triangle, r), optional
+            Stress of the second derivative instead of that of the state: the mixed iteration of Magisano,
+            Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.
+        initial : (triangle, r), optional
+            Strains at which the triangles are free of stress, such as those of temperature.
+        projected : bool
+            Whether the matrices of the triangles lose their negative eigenvalues.
+        """
+        return self._energy(Asked(x, derivatives, memory, stress, initial, projected))
+
+    @abstractmethod
+    def _energy(self, asked: Asked) -> Energy:
+        """As `energy`."""
+
+
+class StrainEnergy(Evaluated):
     """Energy assembled from triangles.
 
     Attributes
@@ -158,31 +204,8 @@ class StrainEnergy(ABC):
         """K s: (triangle, r)."""
         return np.concatenate([self._apply(t, strain[t, :, None])[:, :, 0] for t in self.blocks])
 
-    def energy(
-        self,
-        x: Floats,
-        derivatives: int = 0,
-        memory: Any = None,
-        stress: Floats | None = None,
-        initial: Floats | None = None,
-        projected: bool = False,
-    ) -> Energy:
-        """Energy of a state of finite deformation.
-
-        Parameters
-        ----------
-        x : (unknowns,)
-        derivatives : 0, 1 or 2
-        memory : object, optional
-            Of the state; that of the rest state if absent.
-        stress : (triangle, r), optional
-            Stress of the second derivative instead of that of the state: the mixed iteration of Magisano,
-            Leonetti and Garcea (2017), with the stress of `extrapolated_stress`.
-        initial : (triangle, r), optional
-            Strains at which the triangles are free of stress, such as those of temperature.
-        projected : bool
-            Whether the matrices of the triangles lose their negative eigenvalues.
-        """
+    def _energy(self, asked: Asked) -> Energy:
+        x, derivatives, memory, stress, initial, projected = asked
         memory = self.rest if memory is None else memory
         value = 0.0
         forces = np.zeros(self.triangle_unknowns.shape)

@@ -25,13 +25,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.energy import Energy, StrainEnergy, inelastic_of
+from kshell.equilibrium.energy import Asked, Energy, Evaluated, StrainEnergy, inelastic_of
 from kshell.equilibrium.reduction import Reduction
 
 Floats = NDArray[np.float64]
 
 
-class OfStep:
+class OfStep(Evaluated):
     """What both have in common: all that is not told otherwise is that of the material.
 
     Parameters
@@ -74,16 +74,8 @@ class Shifted(OfStep):
         if fading is not None:
             self.shift = self.shift + fading.shift
 
-    def energy(
-        self,
-        x: Floats,
-        derivatives: int = 0,
-        memory: Any = None,
-        stress: Floats | None = None,
-        initial: Floats | None = None,
-        projected: bool = False,
-    ) -> Energy:
-        """As `StrainEnergy.energy`."""
+    def _energy(self, asked: Asked) -> Energy:
+        x, derivatives, memory, stress, initial, projected = asked
         free = self.shift / self.scale
         if initial is not None:
             free = free + initial
@@ -176,16 +168,9 @@ class Middle(OfStep):
         super().__init__(material, strain, viscosity)
         self.x = x
 
-    def energy(
-        self,
-        x: Floats,
-        derivatives: int = 0,
-        memory: Any = None,
-        stress: Floats | None = None,
-        initial: Floats | None = None,
-        projected: bool = False,
-    ) -> Energy:
-        """As `StrainEnergy.energy`; strains of the answer, and `stress`, are the mean ones."""
+    def _energy(self, asked: Asked) -> Energy:
+        """As `energy`; strains of the answer, and `stress`, are the mean ones."""
+        x, derivatives, memory, stress, initial, projected = asked
         material, q = self.material, self.viscosity
         strain = material.strain(x, memory)
         if initial is not None:
