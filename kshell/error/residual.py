@@ -87,8 +87,7 @@ class PlateResidual:
     def local(self, cases: Sequence[Loaded]) -> list[Floats]:
         """(T,) estimates of the square of the error in energy, triangle by triangle, of each deflection."""
         problem = self.problem
-        d = np.stack([case.d for case in cases], axis=1)
-        tractions = tractions_of(problem, d, [case.loads for case in cases])
+        tractions = tractions_of(problem, [case.d for case in cases], [case.loads for case in cases])
         inside = self._inside(tractions, cases)
         on_edges = self._on_edges(tractions, cases)
         out = []

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.plates import AT_VERTEX, deflection_rows
-from kshell.error.tractions import tractions_of
+from kshell.error.tractions import Tractions, tractions_of
 from kshell.mesh.words import place
 from kshell.plate.loading import PointLoad
 from kshell.plate.loads import Loads
@@ -153,43 +153,114 @@ def products(
     second numbers the part of triangles beside strong centres, whose forces are not to be relied on.
     """
     totals = np.zeros((len(deflections), 2))
+    weights = _weights(problem, centres, strong, near)
+    own = weights.sampled(tractions_of(problem, deflections[:1], [problem.loads]))
+    for number, d in enumerate(deflections):
+        other = own if number == 0 else _sampled_dual(problem, weights, d)
+        for part, first, second in zip(weights.parts, own, other, strict=True):
+            found = (part.between(first, second) * part.weights[min(number, 1)]).sum(axis=1)
+            totals[number] += found.sum(), found[part.beside].sum()
+    return totals
+
+
+def _sampled_dual(problem: PlateProblem, weights: _Weights, d: Floats) -> list[Floats]:
+    """Values of a dual, of which the last is kept: it is that of all loads."""
+    known = problem.shared.get("shear of dual")
+    if known is None or known[0] is not weights or known[1] is not d:
+        own = problem.__dict__.get("_tractions")  # is that of the deflection under the loads
+        found = weights.sampled(tractions_of(problem, [d], [Loads()]))
+        problem.__dict__["_tractions"] = own
+        known = problem.shared["shear of dual"] = weights, d, found
+    values: list[Floats] = known[2]
+    return values
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Some points at which products are summed.
+
+    Attributes
+    ----------
+    triangles : (n,) int array
+    xi : (point, 2) or (n, point, 2)
+    weights : (n, point) of the first deflection with itself, and with others
+    beside : (n,) bool array
+        Whether forces there are not to be relied on.
+    compliance : (n, point, 2, 2), optional
+        S^-1, inside.
+    twist : (n, point, 3), optional
+        On edges, what takes m_nt from moments.
+    """
+
+    triangles: Ints
+    xi: Floats
+    weights: tuple[Floats, Floats]
+    beside: NDArray[np.bool_]
+    compliance: Floats | None = None
+    twist: Floats | None = None
+
+    def sampled(self, tractions: Tractions) -> Floats:
+        """Q (n, point, 2), or m_nt (n, point), of the first deflection."""
+        moment, shear = tractions.at(self.triangles, self.xi)
+        return shear[:, 0] if self.twist is None else (moment[:, 0] * self.twist).sum(axis=-1)
+
+    def between(self, first: Floats, second: Floats) -> Floats:
+        """(n, point) the density of the product of two of them."""
+        if self.compliance is None:
+            return first * second
+        c = self.compliance
+        strain = c[..., 0] * second[..., :1] + c[..., 1] * second[..., 1:]
+        return np.asarray(first[..., 0] * strain[..., 0] + first[..., 1] * strain[..., 1])
+
+
+@dataclass(frozen=True)
+class _Weights:
+    """Of one plate and its singular places."""
+
+    key: tuple[bytes, ...]
+    parts: list[_Part]
+
+    def sampled(self, tractions: Tractions) -> list[Floats]:
+        return [part.sampled(tractions) for part in self.parts]
+
+
+def _weights(
+    problem: PlateProblem, centres: Floats, strong: NDArray[np.bool_], near: Floats | None
+) -> _Weights:
+    """What does not depend on deflections; the last ones of a plate are kept, for further loads."""
+    key = tuple(part.tobytes() for part in (centres, strong, np.zeros(0) if near is None else near))
+    known: _Weights | None = problem.shared.get("shear")
+    if known is not None and known.key == key:
+        return known
     beside = _beside(problem, centres[strong])
     most = THICKEST * float(np.sqrt(problem.mesh.areas.sum()))
-    loads = [problem.loads, *(Loads() for _ in deflections[1:])]
-    tractions = tractions_of(problem, np.stack(deflections, axis=1), loads)
+
+    def both(xy: Floats, thickness: Floats, weights: Floats) -> tuple[Floats, Floats]:
+        first = weights * _far(xy, centres, thickness)
+        return first, first if near is None else first * _far(xy, near, thickness)
+
+    parts = []
     for patch in problem.domain.patches(DEGREE):
         at = points_3d(problem.domain, patch.xy)
         thickness = np.minimum(problem.section.thickness(patch.triangles, at), most)
-        far = patch.weights * _far(patch.xy, centres, thickness)
-        shear = tractions.at(patch.triangles, patch.xi)[1]
         compliance = np.linalg.inv(problem.section.shear(patch.triangles, at))
-        strain = (compliance @ shear[:, 0, :, :, None])[..., 0]
-        for number, q in enumerate(np.moveaxis(shear, 1, 0)):
-            if number and near is not None:
-                far = far * _far(patch.xy, near, thickness)
-            parts = ((q * strain).sum(axis=-1) * far).sum(axis=1)
-            totals[number] += parts.sum(), parts[beside[patch.triangles]].sum()
+        weights = both(patch.xy, thickness, patch.weights)
+        parts.append(_Part(patch.triangles, patch.xi, weights, beside[patch.triangles], compliance))
     edges = _soft_edges(problem)
-    if not len(edges):
-        return totals
-    line = problem.domain.edge_patch(edges, EDGE_POINTS)
-    at = points_3d(problem.domain, line.xy)
-    thickness = np.minimum(problem.section.thickness(line.triangles, at), most)
-    n = line.normal
-    t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
-    nx, ny, tx, ty = n[..., 0], n[..., 1], t[..., 0], t[..., 1]
-    twist = np.stack([nx * tx, ny * ty, nx * ty + ny * tx], axis=-1)
-    moment = np.moveaxis(tractions.at(line.triangles, line.xi)[0], 1, 0)
-    m = (moment * twist).sum(axis=-1)
-    d66 = (twist[..., None, :] @ problem.section.bending(line.triangles, at) @ twist[..., None])[..., 0, 0]
-    along = (t[..., None, :] @ problem.section.shear(line.triangles, at) @ t[..., None])[..., 0, 0]
-    far = line.weights * _far(line.xy, centres, thickness) * np.sqrt(d66 / along) / d66
-    for number, other in enumerate(m):
-        if number and near is not None:
-            far = far * _far(line.xy, near, thickness)
-        parts = (m[0] * other * far).sum(axis=1)
-        totals[number] += parts.sum(), parts[beside[line.triangles]].sum()
-    return totals
+    if len(edges):
+        line = problem.domain.edge_patch(edges, EDGE_POINTS)
+        at = points_3d(problem.domain, line.xy)
+        thickness = np.minimum(problem.section.thickness(line.triangles, at), most)
+        n = line.normal
+        t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
+        nx, ny, tx, ty = n[..., 0], n[..., 1], t[..., 0], t[..., 1]
+        twist = np.stack([nx * tx, ny * ty, nx * ty + ny * tx], axis=-1)
+        d66 = (twist[..., None, :] @ problem.section.bending(line.triangles, at) @ twist[..., None])[..., 0, 0]
+        along = (t[..., None, :] @ problem.section.shear(line.triangles, at) @ t[..., None])[..., 0, 0]
+        weights = both(line.xy, thickness, line.weights * np.sqrt(d66 / along) / d66)
+        parts.append(_Part(line.triangles, line.xi, weights, beside[line.triangles], twist=twist))
+    found = problem.shared["shear"] = _Weights(key, parts)
+    return found
 
 
 def _beside(problem: PlateProblem, centres: Floats) -> NDArray[np.bool_]:

@@ -12,9 +12,11 @@ V_n       Q_n + d M_nt / dt
 
 from __future__ import annotations
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cached_property, partial
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +37,64 @@ POINTS = 4  # on edges: moments of quintics are cubics there
 STEP = 1e-7  # of the size of the plate: differences of a varying stiffness
 
 
+class Rows:
+    """What tractions of a plate have in common, whatever its loads: sides, and rows on reference derivatives.
+
+    Attributes
+    ----------
+    length, tangent : (T, side), (T, side, 2)
+        Of chords, walked around.
+    points : (side, point, 2)
+        Gauss points on the sides of the reference triangle.
+    """
+
+    def __init__(self, problem: PlateProblem) -> None:
+        self._affine = problem.domain.affine(problem.every)
+        self._section = problem.section
+        ends = self._affine.corners[:, AROUND]
+        step = ends[:, :, 1] - ends[:, :, 0]  # (T, side, 2)
+        self.length: Floats = np.hypot(step[..., 0], step[..., 1])
+        self.tangent: Floats = step / self.length[..., None]
+        s, _ = interval_rule(POINTS)
+        corners = VERTICES[AROUND]  # (side, end, 2)
+        self.points = corners[:, :1] + s[:, None] * (corners[:, 1:] - corners[:, :1])  # (side, point, 2)
+
+    @cached_property
+    def moment(self) -> Floats:
+        """(T, 3, reference derivative) of M."""
+        return np.asarray(-self._section.bending_per_triangle() @ self._affine.curvature_map)
+
+    @cached_property
+    def shear(self) -> Floats:
+        """(T, 2, reference derivative) of Q."""
+        return np.asarray(shear_rows(self._section.bending_per_triangle()) @ self._affine.third_map)
+
+    @cached_property
+    def inside(self) -> Floats:
+        """(T, reference derivative) of div Q."""
+        change = np.swapaxes(self._affine.inverse, 1, 2)  # (T, xy, reference)
+        row = np.zeros((len(self.length), 5))
+        for reference in range(2):
+            row[:, reference : reference + 4] += (change[..., reference, None] * self.shear).sum(axis=1)
+        return row
+
+    @cached_property
+    def sides(self) -> list[tuple[Floats, Floats]]:
+        """Of M_nn (T, second derivative) and V_n (T, third derivative), side by side."""
+        first = self._affine.inverse  # (T, reference, xy)
+        out = []
+        for side in range(3):
+            tx, ty = self.tangent[:, side].T
+            nx, ny = ty, -tx
+            twist = _on(self.moment, nx * tx, ny * ty, nx * ty + ny * tx)  # (T, 3) on 11, 12, 22
+            row = nx[:, None] * self.shear[:, 0] + ny[:, None] * self.shear[:, 1]
+            for reference in range(2):
+                speed = first[:, reference, 0] * tx + first[:, reference, 1] * ty
+                row[:, reference : reference + 3] += speed[:, None] * twist
+            out.append((_on(self.moment, nx * nx, ny * ny, 2 * nx * ny), row))
+        return out
+
+
 class Tractions(ABC):
     """Of deflections of a plate with the Argyris element.
 
@@ -49,18 +109,23 @@ class Tractions(ABC):
         self.problem = problem
         self.every = problem.every
         self.affine = problem.domain.affine(self.every)
-        ends = self.affine.corners[:, AROUND]
-        step = ends[:, :, 1] - ends[:, :, 0]  # (T, side, 2)
-        self.length: Floats = np.hypot(step[..., 0], step[..., 1])
-        self.tangent: Floats = step / self.length[..., None]
+        if "tractions" not in problem.shared:
+            problem.shared["tractions"] = Rows(problem)
+        rows: Rows = problem.shared["tractions"]
+        self.rows, self.length, self.tangent = rows, rows.length, rows.tangent
         s, self.weights = interval_rule(POINTS)
         self.along_side = _differentiation(s)
-        corners = VERTICES[AROUND]  # (side, end, 2)
-        self.points = corners[:, :1] + s[:, None] * (corners[:, 1:] - corners[:, :1])  # (side, point, 2)
+        self.points = rows.points
         self.basis = problem.element.basis
         local = d[problem.layout.triangle_dofs(self.every)]  # (T, 21, k)
         m = problem.element.transformation(self.affine)
         self.reference: Floats = np.ascontiguousarray(np.swapaxes(m @ local, 1, 2))  # (T, k, 21)
+
+    def of_first(self) -> Self:
+        """Those of the first deflection."""
+        out = copy.copy(self)
+        out.reference = self.reference[:, :1]
+        return out
 
     def derivatives(self, chosen: Ints, xi: Floats, order: int) -> Floats:
         """(n, k, point, derivative) on the reference triangle, at points (point, 2) or (n, point, 2)."""
@@ -102,12 +167,6 @@ class Tractions(ABC):
 class ConstantTractions(Tractions):
     """With a stiffness that is constant in each triangle, and no initial curvature."""
 
-    def __init__(self, problem: PlateProblem, d: Floats) -> None:
-        super().__init__(problem, d)
-        bending = problem.section.bending_per_triangle()
-        self._moment: Floats = -bending @ self.affine.curvature_map  # (T, 3, reference derivative)
-        self._shear: Floats = shear_rows(bending) @ self.affine.third_map  # (T, 2, reference derivative)
-
     def _table(self, order: int, xi: Floats) -> Floats:
         """(derivative, 21, point) at reference points (point, 2)."""
         return np.moveaxis(self.basis.tabulate(xi, order), 0, 2)
@@ -122,32 +181,19 @@ class ConstantTractions(Tractions):
         return out
 
     def inside(self, xi: Floats) -> Floats:
-        change = np.swapaxes(self.affine.inverse, 1, 2)  # (T, xy, reference)
-        row = np.zeros((len(self.every), 5))
-        for reference in range(2):
-            row[:, reference : reference + 4] += (change[..., reference, None] * self._shear).sum(axis=1)
-        return self._rows(row, self._table(4, xi))
+        return self._rows(self.rows.inside, self._table(4, xi))
 
     def sides(self) -> tuple[Floats, Floats]:
         count, k = self.reference.shape[:2]
         normal, force = np.empty((2, count, k, 3, POINTS))
-        first = self.affine.inverse  # (T, reference, xy)
-        for side in range(3):
-            tx, ty = self.tangent[:, side].T
-            nx, ny = ty, -tx
+        for side, rows in enumerate(self.rows.sides):
             second, third = (self._table(order, self.points[side]) for order in (2, 3))
-            normal[:, :, side] = self._rows(_on(self._moment, nx * nx, ny * ny, 2 * nx * ny), second)
-            twist = _on(self._moment, nx * tx, ny * ty, nx * ty + ny * tx)  # (T, 3) on 11, 12, 22
-            row = nx[:, None] * self._shear[:, 0] + ny[:, None] * self._shear[:, 1]
-            for reference in range(2):
-                speed = first[:, reference, 0] * tx + first[:, reference, 1] * ty
-                row[:, reference : reference + 3] += speed[:, None] * twist
-            force[:, :, side] = self._rows(row, third)
+            normal[:, :, side], force[:, :, side] = self._rows(rows[0], second), self._rows(rows[1], third)
         return normal, force
 
     def at(self, chosen: Ints, xi: Floats) -> tuple[Floats, Floats]:
-        m = _times(self._moment[chosen], self.derivatives(chosen, xi, 2))
-        return m, _times(self._shear[chosen], self.derivatives(chosen, xi, 3))
+        m = _times(self.rows.moment[chosen], self.derivatives(chosen, xi, 2))
+        return m, _times(self.rows.shear[chosen], self.derivatives(chosen, xi, 3))
 
 
 class VaryingTractions(Tractions):
@@ -194,6 +240,11 @@ class VaryingTractions(Tractions):
         dx, dy = along
         return m, np.stack([dx[..., 0] + dy[..., 2], dx[..., 2] + dy[..., 1]], axis=-1)
 
+    def of_first(self) -> Self:
+        out = super().of_first()
+        out._loads = self._loads[:1]
+        return out
+
     def _with_slopes(self, of: Callable[[Floats], Floats], xy: Floats) -> list[Floats]:
         """A function of points (n, point, 2) and its derivatives by x and y."""
         here = of(xy)
@@ -218,11 +269,19 @@ class VaryingTractions(Tractions):
         return normal, nx * q[..., 0] + ny * q[..., 1] + change
 
 
-def tractions_of(problem: PlateProblem, d: Floats, loads: Sequence[Loads]) -> Tractions:
-    """Of deflections (dof, k) with their loads."""
+def tractions_of(problem: PlateProblem, deflections: Sequence[Floats], loads: Sequence[Loads]) -> Tractions:
+    """Of deflections (dof,) with their loads; those of the first one are kept with the problem under its loads."""
+    known = problem.__dict__.get("_tractions")
+    if len(deflections) == 1 and known is not None and known[0] is deflections[0] and known[1] is loads[0]:
+        first: Tractions = known[2]
+        return first
+    d = np.stack(deflections, axis=1)
     if problem.section.constant_per_triangle and not any(own.curvatures for own in loads):
-        return ConstantTractions(problem, d)
-    return VaryingTractions(problem, d, loads)
+        found: Tractions = ConstantTractions(problem, d)
+    else:
+        found = VaryingTractions(problem, d, loads)
+    problem.__dict__["_tractions"] = deflections[0], loads[0], found.of_first()
+    return found
 
 
 def _times(matrix: Floats, vector: Floats) -> Floats:

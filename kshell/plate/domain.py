@@ -24,7 +24,7 @@ from kshell.plate.rims import edge_curves
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-KEPT = 3  # batches whose maps are kept
+KEPT, MANY = 3, 16_384  # batches whose maps are kept, and triangles of more batches
 BLOCK = 1024  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
 
 
@@ -136,12 +136,14 @@ class Domain:
         return out
 
     def affine(self, triangles: Ints) -> AffineTriangles:
-        """The straight triangles; what was computed of the last few batches is kept."""
+        """The straight triangles; what was computed of the last batches is kept."""
         for known, affine in self._latest:
             if known is triangles:  # forms, loads and recovery ask for the same batch in turn
                 return affine
         affine = AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles])
-        self._latest = [(triangles, affine), *self._latest[: KEPT - 1]]
+        kept = [(triangles, affine), *self._latest]
+        sizes = np.cumsum([len(known) for known, _ in kept])
+        self._latest = kept[: max(KEPT, int(np.searchsorted(sizes, MANY, "right")))]
         return affine
 
     @cached_property
@@ -241,6 +243,14 @@ class Domain:
         along = np.where(sense[:, None] > 0, s, 1 - s)
         start = VERTICES[EDGE_VERTICES[local, 0]]
         return start[:, None] + along[..., None] * (VERTICES[EDGE_VERTICES[local, 1]] - start)[:, None]
+
+    @cached_property
+    def moments_of_area(self) -> Floats:
+        """(3,) area, and integrals of x and y."""
+        parts = [
+            [p.weights.sum(), *(p.weights[..., None] * p.xy).sum(axis=(0, 1))] for p in self.patches(1)
+        ]
+        return np.sum(parts, axis=0)
 
     @cached_property
     def area(self) -> float:

@@ -107,6 +107,9 @@ class AreaLoad:
         return self.domain.patches(self._degree() if callable(self.pressure) else 1, self.triangles)
 
     def resultant(self, origin: Floats) -> Floats:
+        if self.triangles is None and not callable(self.pressure):
+            area, x, y = self.domain.moments_of_area
+            return self.pressure * np.array([area, y - origin[1] * area, origin[0] * area - x])
         total = np.zeros(3)
         for patch in self._patches():
             force = patch.weights * self.values(patch.triangles, patch.xy)
@@ -114,6 +117,8 @@ class AreaLoad:
         return total
 
     def gross(self, size: float) -> float:
+        if self.triangles is None and not callable(self.pressure):
+            return float(abs(self.pressure) * self.domain.moments_of_area[0])
         return float(sum(np.abs(p.weights * self.values(p.triangles, p.xy)).sum() for p in self._patches()))
 
 

@@ -88,7 +88,8 @@ class PlateProblem:
             structure.loads, self.domain, self.layout, self.bending, self.section, structure.masses
         )
         springs = [form for _, form in self.supports.springs]
-        self._locators: list[PlatePoints] = []  # one at most, shared with the copies under other loads
+        # what does not depend on loads, found once; shared with the copies under other loads
+        self.shared: dict[Any, Any] = {}
         self.hanging: list[Hanging] = []
         if not structure.movable:
             self.hanging = require_held(self.domain, self.layout, self.supports.conditions, springs)
@@ -245,31 +246,39 @@ class PlateProblem:
             self.__dict__["_known"] = known
         return known
 
-    @cached_property
+    @property
     def every(self) -> NDArray[np.int64]:
         """All triangles; the batch that was assembled where there is but one, whose maps are then at hand."""
-        blocks = list(self.domain.blocks())
-        return blocks[0] if len(blocks) == 1 else np.arange(len(self.mesh.triangles))
+        if "every" not in self.shared:
+            blocks = list(self.domain.blocks())
+            self.shared["every"] = blocks[0] if len(blocks) == 1 else np.arange(len(self.mesh.triangles))
+        found: NDArray[np.int64] = self.shared["every"]
+        return found
 
     @cached_property
     def locator(self) -> PlatePoints:
         """For values anywhere."""
-        if not self._locators:
-            self._locators.append(PlatePoints(self.domain))
-        return self._locators[0]
+        if "locator" not in self.shared:
+            self.shared["locator"] = PlatePoints(self.domain)
+        found: PlatePoints = self.shared["locator"]
+        return found
 
-    @cached_property
+    @property
     def singular(self) -> dict[int, str]:
         """Corners where moments grow without bound, with their kind."""
-        return infinite_moments(self.mesh, self.supports, self.corner_angles)
+        if "singular" not in self.shared:
+            self.shared["singular"] = infinite_moments(self.mesh, self.supports, self.corner_angles)
+        found: dict[int, str] = self.shared["singular"]
+        return found
 
-    @cached_property
+    @property
     def corner_angles(self) -> dict[int, float]:
         """Interior angle at each corner of the boundary."""
-        known = (
-            self.domain.boundary if len(self.domain.boundary.edges) else None
-        )  # Morley keeps to the chords
-        return corner_angles(self.mesh, known)
+        if "corner angles" not in self.shared:
+            boundary = self.domain.boundary if len(self.domain.boundary.edges) else None
+            self.shared["corner angles"] = corner_angles(self.mesh, boundary)  # Morley keeps to the chords
+        found: dict[int, float] = self.shared["corner angles"]
+        return found
 
     def drift(self, largest: float, loads: Loads, left: float) -> list[str]:
         """What should be said of a plate on springs under loads that deflect it by so much, and that leave so much."""

@@ -53,9 +53,10 @@ def part_product(problem: PlateProblem, wanted: NDArray[np.bool_] | None) -> Cal
                 continue
             dofs = layout.triangle_dofs(block)
             transform = layout.element.transformation(domain.affine(block))
-            for number, d in enumerate(motions):
-                local = less_planes(domain, layout, block, d)
-                force = problem.bending.products(block, transform, transform @ local[:, :, None])
+            local = np.stack([less_planes(domain, layout, block, d) for d in motions], axis=2)
+            strained = transform @ local  # (triangle, reference dof, column)
+            for number in range(len(motions)):
+                force = problem.bending.products(block, transform, strained[:, :, number : number + 1])
                 out[:, number] += np.bincount(dofs.ravel(), force.ravel(), layout.count)
         result = reduction.T @ out
         if elastic is not None:

@@ -53,11 +53,11 @@ def solve_dense(matrix: Floats, rhs: Floats) -> Solution | None:
         return None
     ready = time.perf_counter()
     columns = b.reshape(len(b), -1)
-    x, history, steps = refine(matrix.__matmul__, columns, solve)
+    x, history, steps, residual = refine(matrix.__matmul__, columns, solve)
     if not (np.isfinite(x).all() and history[-1] <= HOPELESS):
         return None
     size = np.linalg.norm(columns, axis=0)
-    left = np.linalg.norm(columns - matrix @ x, axis=0)
+    left = np.linalg.norm(residual, axis=0)
     return Solution(
         x=x.reshape(b.shape),
         name="Cholesky (LAPACK)",

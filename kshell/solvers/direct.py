@@ -110,9 +110,9 @@ class Factorisation(Prepared):
         b = checked_rhs(rhs, self.matrix.shape[0])
         columns = b.reshape(len(b), -1)
         times = self._times if product is None else product
-        x, history, steps = refine(times, columns, self._solve, progress)
+        x, history, steps, left = refine(times, columns, self._solve, progress)
         size = np.linalg.norm(columns, axis=0)
-        residual = np.linalg.norm(columns - times(x), axis=0) / np.where(size > 0, size, 1.0)
+        residual = np.linalg.norm(left, axis=0) / np.where(size > 0, size, 1.0)
         solution = Solution(
             x=x.reshape(b.shape),
             name=self.name,

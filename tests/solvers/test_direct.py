@@ -54,10 +54,11 @@ def test_refinement_gains_digits():
     exact = np.linspace(1, 2, 30)
     b = (a @ exact)[:, None]
     rough = np.linalg.inv(a.toarray()) * (1 + 1e-3)
-    x, history, steps = refine(lambda v: a @ v, b, lambda r: rough @ r)
+    x, history, steps, left = refine(lambda v: a @ v, b, lambda r: rough @ r)
     assert steps == 3
     assert history[0] == pytest.approx(1e-3, rel=0.01)
     assert history[-1] < 1e-11
+    assert np.allclose(left, b - (a @ x), atol=1e-12 * np.abs(b).max())
     assert np.allclose(x[:, 0], exact, rtol=1e-8)
 
 
