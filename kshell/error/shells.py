@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,12 +44,22 @@ def assess_small(
 ) -> Assessment:
     """Of small deflections x; at most so many dual solutions, for the first of the named probes."""
     problem = model.problem
-    averages = Averages(problem)
+    if "averages" not in model.estimates:
+        model.estimates["averages"] = Averages(problem)
+    averages: Averages = model.estimates["averages"]
     strain = problem.energy.linear_strain(x)
     if problem.loads.initial is not None:
         strain = strain - problem.loads.initial
     return _assess(
-        model, averages, strain, result, (duals, names), model.respond, problem.energy.linear_strain, SAFETY
+        model,
+        averages,
+        strain,
+        result,
+        (duals, names),
+        model.respond,
+        problem.energy.linear_strain,
+        SAFETY,
+        model.estimates,
     )
 
 
@@ -86,7 +97,10 @@ def _assess(
     solve: Solve,
     strain_of: Callable[[Floats], Floats],
     safety: float,
+    kept: dict[Any, Any] | None = None,
 ) -> Assessment:
+    """`kept` has the estimates of duals that were found before, by probe and axis."""
+    kept = {} if kept is None else kept
     problem = model.problem
     basis = problem.reduction.basis
     own = averages.local(strain)
@@ -106,8 +120,9 @@ def _assess(
         width = np.zeros(3)
         mark = np.zeros(len(own))
         for k in moving:
-            dual = averages.local(strain_of(basis @ solve(np.asarray(rows[k]))))
-            both = np.sqrt(own * dual)
+            if (name, k) not in kept:
+                kept[name, k] = averages.local(strain_of(basis @ solve(np.asarray(rows[k]))))
+            both = np.sqrt(own * kept[name, k])
             width[k] = safety * float(both.sum())
             mark += both
         value = np.asarray(result.probes[name]["u"], dtype=float)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,8 @@ from kshell.plate.rims import edge_curves
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-KEPT, MANY = 3, 16_384  # batches whose maps are kept, and triangles of more batches
+KEPT = 3  # batches whose maps are kept
+MANY = 8192  # triangles up to which the maps of all of them are kept
 BLOCK = 1024  # triangles treated at a time: enough to amortise Python, small enough to stay in cache
 
 
@@ -136,15 +138,32 @@ class Domain:
         return out
 
     def affine(self, triangles: Ints) -> AffineTriangles:
-        """The straight triangles; what was computed of the last batches is kept."""
+        """The straight triangles; what was computed of the last batches is kept, and that of the domain's own."""
+        own = self._own.get(id(triangles))
+        if own is not None and own[0] is triangles:
+            if own[1] is None:
+                own[1] = AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles])
+            found: AffineTriangles = own[1]
+            return found
         for known, affine in self._latest:
             if known is triangles:  # forms, loads and recovery ask for the same batch in turn
                 return affine
         affine = AffineTriangles.of_arrays(self.points, self.mesh.triangles[triangles])
-        kept = [(triangles, affine), *self._latest]
-        sizes = np.cumsum([len(known) for known, _ in kept])
-        self._latest = kept[: max(KEPT, int(np.searchsorted(sizes, MANY, "right")))]
+        self._latest = [(triangles, affine), *self._latest[: KEPT - 1]]
         return affine
+
+    @cached_property
+    def every(self) -> Ints:
+        """All triangles; the batch that is assembled where there is but one."""
+        blocks = self._all_blocks
+        return blocks[0] if len(blocks) == 1 else np.arange(len(self.mesh.triangles))
+
+    @cached_property
+    def _own(self) -> dict[int, list[Any]]:
+        """All triangles and their batches, which never change, with their maps, where these are kept."""
+        if len(self.mesh.triangles) > MANY:
+            return {}
+        return {id(part): [part, None] for part in (self.every, *self._all_blocks)}
 
     @cached_property
     def _all_blocks(self) -> list[Ints]:

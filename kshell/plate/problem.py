@@ -249,11 +249,7 @@ class PlateProblem:
     @property
     def every(self) -> NDArray[np.int64]:
         """All triangles; the batch that was assembled where there is but one, whose maps are then at hand."""
-        if "every" not in self.shared:
-            blocks = list(self.domain.blocks())
-            self.shared["every"] = blocks[0] if len(blocks) == 1 else np.arange(len(self.mesh.triangles))
-        found: NDArray[np.int64] = self.shared["every"]
-        return found
+        return self.domain.every
 
     @cached_property
     def locator(self) -> PlatePoints:

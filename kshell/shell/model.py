@@ -58,6 +58,8 @@ class ShellModel(FiniteModel):
         self.problem, self.structure, self.reasons = problem, problem.structure, list(reasons)
         self.element, self.order = problem.discretisation.name, problem.discretisation.order
         self._solver: LinearSolver | None = None  # kept for further loads, and duals
+        # what estimates of small deflections find once, whatever the loads: averages, and duals by probe and axis
+        self.estimates: dict[Any, Any] = {}
         self._in_motion: dict[str, sp.csr_matrix] = {}  # mass and stiffness, the same under all loads
 
     @property
