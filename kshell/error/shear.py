@@ -255,7 +255,9 @@ def _weights(
         t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
         nx, ny, tx, ty = n[..., 0], n[..., 1], t[..., 0], t[..., 1]
         twist = np.stack([nx * tx, ny * ty, nx * ty + ny * tx], axis=-1)
-        d66 = (twist[..., None, :] @ problem.section.bending(line.triangles, at) @ twist[..., None])[..., 0, 0]
+        d66 = (twist[..., None, :] @ problem.section.bending(line.triangles, at) @ twist[..., None])[
+            ..., 0, 0
+        ]
         along = (t[..., None, :] @ problem.section.shear(line.triangles, at) @ t[..., None])[..., 0, 0]
         weights = both(line.xy, thickness, line.weights * np.sqrt(d66 / along) / d66)
         parts.append(_Part(line.triangles, line.xi, weights, beside[line.triangles], twist=twist))

@@ -266,9 +266,7 @@ class Domain:
     @cached_property
     def moments_of_area(self) -> Floats:
         """(3,) area, and integrals of x and y."""
-        parts = [
-            [p.weights.sum(), *(p.weights[..., None] * p.xy).sum(axis=(0, 1))] for p in self.patches(1)
-        ]
+        parts = [[p.weights.sum(), *(p.weights[..., None] * p.xy).sum(axis=(0, 1))] for p in self.patches(1)]
         return np.sum(parts, axis=0)
 
     @cached_property
