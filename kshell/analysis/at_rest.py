@@ -64,5 +64,5 @@ class AtRest:
     def solve(self, load: Floats) -> Floats:
         """(free,) under a load (free,) that grows slowly."""
         k = self.state.stiffness
-        x, _, _ = refine(lambda x: np.asarray(k @ x), load[:, None], self.factor.solve)
+        x, *_ = refine(lambda x: np.asarray(k @ x), load[:, None], self.factor.solve)
         return np.asarray(x[:, 0], dtype=float)

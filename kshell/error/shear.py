@@ -243,7 +243,7 @@ def _weights(
     for patch in problem.domain.patches(DEGREE):
         at = points_3d(problem.domain, patch.xy)
         thickness = np.minimum(problem.section.thickness(patch.triangles, at), most)
-        compliance = np.linalg.inv(problem.section.shear(patch.triangles, at))
+        compliance = np.asarray(np.linalg.inv(problem.section.shear(patch.triangles, at)), dtype=np.float64)
         weights = both(patch.xy, thickness, patch.weights)
         parts.append(_Part(patch.triangles, patch.xi, weights, beside[patch.triangles], compliance))
     edges = _soft_edges(problem)
