@@ -32,7 +32,8 @@ def curve_doubt(domain: Domain) -> Floats:
     curves, mesh = domain.curves, domain.mesh
     out = np.zeros(len(curves.edges))
     for edges, ahead, closed in _chains(domain):
-        out[edges] = _missed(domain, edges, ahead, closed)
+        if not curves.arcs[edges].all():
+            out[edges] = _missed(domain, edges, ahead, closed)
     out[curves.arcs] = 0.0
     if mesh.midpoints is not None:
         bent = np.flatnonzero(curves.curved)

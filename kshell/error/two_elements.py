@@ -52,10 +52,10 @@ def assess_difference(
     half = SAFETY * abs(own - stored)
     out.energy = Estimate(own, half, LIKELY * half, "estimated", WHY_NOT)
     share = abs(own - stored) / abs(own) if own != 0.0 else 0.0
-    probes = other.linear_probes(its)
     for name in names:
         value = np.asarray(result.probes[name]["u"], dtype=float)
-        off = np.abs(value - np.asarray(probes[name]["u"], dtype=float)) + share * np.abs(value)
+        moved = np.array([other.probe_row(name, letter) @ its.x for letter in "xyz"])
+        off = np.abs(value - moved) + share * np.abs(value)
         out.probes[name] = Interval(value, off, LIKELY * off, "estimated")
     if marks:
         local = Averages(problem).local(strain)
