@@ -23,6 +23,7 @@ from kshell.error.geometry_share import (
     weighted,
 )
 from kshell.errors import SolveError
+from kshell.mesh.higher import order_of
 from kshell.result.result import Result
 from kshell.shell.koiter.model import KoiterModel
 from kshell.shell.koiter.recovery import energies
@@ -149,10 +150,11 @@ def _shares(model: KoiterModel, membrane: Floats, bending: Floats) -> Floats:
     problem = model.problem
     mesh = problem.space
     turn = turn_of_triangles(mesh)
-    if problem.structure.chart is not None and model.order > 2:
+    known = model.order if problem.structure.chart is not None else min(model.order, order_of(mesh))
+    if known > 2:
         stretched = membrane / np.maximum(membrane + bending, 1e-300)
         slender = problem.structure.thickness * curvature_of_triangles(mesh)
-        return share_of_chart(model.order, turn, domed(mesh), stretched, slender)
+        return share_of_chart(known, turn, domed(mesh), stretched, slender)
     if mesh.midpoints is not None:
         return share_of_quadratics(turn)
     return share_of_facets(turn_between(mesh, problem.discretisation.patches()[0]))

@@ -62,7 +62,7 @@ def build(raw: RawMesh, kind: type[M]) -> M:
         check.curved_triangles(bare, midpoints)
 
     groups = _groups(raw, bare, vertex_of, row_of, notes)
-    mesh = changed(bare, midpoints=midpoints, groups=groups)
+    mesh = changed(bare, midpoints=midpoints, groups=groups, higher=raw.higher)
     notes += check.connections(mesh)
     out = changed(mesh, notes=tuple(notes))
     out.__dict__["_faces_up"] = True

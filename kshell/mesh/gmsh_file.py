@@ -137,7 +137,7 @@ def _raw_mesh(
 ) -> RawMesh:
     number = _NodeNumbers(node_tags, source)
     read = len(node_tags)
-    node_tags, points, blocks, high = lowered(node_tags, points, blocks, number.of)
+    node_tags, points, blocks, higher, high = lowered(node_tags, points, blocks, number.of)
     if len(node_tags) > read:
         number = _NodeNumbers(node_tags, source)
     triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]
@@ -179,7 +179,7 @@ def _raw_mesh(
         RawGroup(names.get((dimension, tag), ""), dimension, np.concatenate([*found, empty[dimension]]), tag)
         for (dimension, tag), found in sorted(cells.items())
     ]
-    return RawMesh(points, stacked, groups, source, dict(other), segments, [*high, *notes])
+    return RawMesh(points, stacked, groups, source, dict(other), segments, [*high, *notes], higher)
 
 
 def _quadrilaterals(

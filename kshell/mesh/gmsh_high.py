@@ -1,7 +1,7 @@
-"""Triangles of order 3 and 4 of gmsh, read by the middles of their edges.
+"""Triangles of order 3 and 4 of gmsh: the middles of their edges, as a mesh has them, and all their nodes beside it.
 
-Meshes have triangles of order 1 and 2. Of order 4 a node lies in the middle of each edge; of order 3 it is put there,
-on the cubic through the four nodes of the edge.
+Of order 4 a node lies in the middle of each edge; of order 3 it is put there, on the cubic through the four nodes of
+the edge. Where triangles have no nodes inside (incomplete ones), they follow from those on the edges.
 
 Node numbers as in the gmsh reference manual, "Node ordering": vertices, then edge by edge, then inside.
 """
@@ -14,7 +14,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.mesh.gmsh_cells import CellBlock
+from kshell.mesh.gmsh_cells import QUADRILATERALS, TRIANGLES, CellBlock
+from kshell.mesh.higher import with_inner_nodes
+from kshell.mesh.triangulation import Higher
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -22,13 +24,16 @@ Floats = NDArray[np.float64]
 LINE, TRIANGLE_6 = 1, 9
 HIGH_LINES = (26, 27)
 ORDER_OF_TRIANGLES = {20: 3, 21: 3, 22: 4, 23: 4}
+COMPLETE = (21, 23)
+# nodes inside as gmsh has them, by their places in `kshell.mesh.higher.lattice`
+INSIDE = {3: (0,), 4: (0, 2, 1)}
 EDGES = ((0, 1), (1, 2), (2, 0))
 
 
 def lowered(
     tags: Ints, points: Floats, blocks: list[CellBlock], positions: Callable[[Ints], Ints]
-) -> tuple[Ints, Floats, list[CellBlock], list[str]]:
-    """Nodes and cells with triangles of order 2 in the place of those of order 3 and 4, and what to say of it.
+) -> tuple[Ints, Floats, list[CellBlock], Higher | None, list[str]]:
+    """Nodes and cells with triangles of order 2 in the place of those of order 3 and 4, these, and what to say of it.
 
     Parameters
     ----------
@@ -38,7 +43,7 @@ def lowered(
     """
     orders = sorted({ORDER_OF_TRIANGLES[b.cell_type] for b in blocks if b.cell_type in ORDER_OF_TRIANGLES})
     if not orders and not any(block.cell_type in HIGH_LINES for block in blocks):
-        return tags, points, blocks, []
+        return tags, points, blocks, None, []
     cubic = [_edges(b.nodes, 3) for b in blocks if ORDER_OF_TRIANGLES.get(b.cell_type) == 3]
     fresh = np.empty((0, 2), dtype=np.int64)
     first = int(tags.max()) + 1
@@ -62,10 +67,32 @@ def lowered(
             nodes = np.concatenate([block.nodes[:, :3], middles], axis=1)
             out.append(replace(block, cell_type=TRIANGLE_6, nodes=nodes))
     if not orders:
-        return tags, points, out, []
+        return tags, points, out, None, []
     words = " and ".join(map(str, orders))
-    note = f"triangles of order {words} are taken by the middles of their edges, as triangles of order 2"
-    return tags, points, out, [note]
+    higher = _all_nodes(points, blocks, positions)
+    if higher is None:
+        note = f"triangles of order {words} are taken by the middles of their edges, as triangles of order 2"
+    else:
+        note = f"triangles of order {words}: shells and curved edges of plates have it"
+    return tags, points, out, higher, [note]
+
+
+def _all_nodes(points: Floats, blocks: list[CellBlock], positions: Callable[[Ints], Ints]) -> Higher | None:
+    """The nodes of triangles that are all of one order, 3 or 4."""
+    cells = [block for block in blocks if block.cell_type in (*TRIANGLES, *ORDER_OF_TRIANGLES)]
+    orders = {ORDER_OF_TRIANGLES.get(block.cell_type, 0) for block in cells}
+    if len(orders) > 1 or any(block.cell_type in QUADRILATERALS for block in blocks):
+        return None
+    (order,) = orders
+    parts = []
+    for block in cells:
+        x = points[positions(block.nodes)]
+        if block.cell_type in COMPLETE:
+            inside = x[:, 3 * order :][:, list(INSIDE[order])]
+            parts.append(np.concatenate([x[:, : 3 * order], inside], axis=1))
+        else:
+            parts.append(with_inner_nodes(order, x))
+    return Higher(order, np.concatenate(parts))
 
 
 def _edges(nodes: Ints, order: int) -> Ints:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from kshell.errors import InputError
 from kshell.mesh.arrays import mesh_from_arrays
+from kshell.mesh.higher import order_of
 from kshell.mesh.triangulation import EDGE_VERTICES, KIND_OF_DIMENSION, Group, Triangulation
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ class Mesh(Triangulation):
         Where the mesh came from, for messages.
     curving : Curving or None
         Of flat triangles that stand for a curved surface.
+    higher : Higher or None
+        All nodes of triangles of order 3 and 4 of a file: their geometry has that order.
     """
 
     @classmethod
@@ -65,7 +68,7 @@ class Mesh(Triangulation):
         return mesh_from_arrays(cls, points, triangles, groups, midpoints)
 
     def __repr__(self) -> str:
-        order = 1 if self.midpoints is None else 2
+        order = order_of(self)
         return (
             f"<Mesh {self.source}: {len(self.points)} vertices, {len(self.triangles)} triangles of order {order}, "
             f"{len(self.groups)} groups>"

@@ -69,4 +69,7 @@ def in_spatial_order(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
     if mesh.midpoints is not None:
         midpoints = np.empty_like(mesh.midpoints)
         midpoints[edge_number] = mesh.midpoints
-    return Mesh(result.points, result.triangles, midpoints, groups, mesh.notes, mesh.source), order
+    found = Mesh(
+        result.points, result.triangles, midpoints, groups, mesh.notes, mesh.source, higher=mesh.higher
+    )
+    return found, order

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.triangulation import Higher
+
 
 @dataclass
 class RawGroup:
@@ -52,6 +54,8 @@ class RawMesh:
     segments : int
         How many line cells there are, in or out of groups.
     notes : list of str
+    higher : Higher or None
+        Nodes of triangles of order 3 and 4.
     """
 
     points: NDArray[np.float64]
@@ -61,3 +65,4 @@ class RawMesh:
     other_cells: dict[str, int] = field(default_factory=dict)
     segments: int = 0
     notes: list[str] = field(default_factory=list)
+    higher: Higher | None = None

@@ -61,6 +61,7 @@ def slit(mesh: Mesh, on: str | Sequence[str]) -> Mesh:
         groups=groups,
         notes=(*mesh.notes, f"cut open along {where}: {count(doubled, 'vertex', 'vertices')} doubled"),
         curving=mesh.curving,
+        higher=mesh.higher,
     )
 
 

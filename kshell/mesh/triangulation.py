@@ -73,6 +73,21 @@ class Curving:
 
 
 @dataclass(frozen=True, eq=False)
+class Higher:
+    """The nodes of triangles of order 3 or 4, see `kshell.mesh.higher`.
+
+    Attributes
+    ----------
+    order : int
+    nodes : (triangle, node, 3) array
+        Places: corners, then edge by edge walked around, then inside.
+    """
+
+    order: int
+    nodes: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Triangulation:
     """Triangles in space; what the rest of kshell takes is its subclass `kshell.Mesh`.
 
@@ -92,6 +107,8 @@ class Triangulation:
         Where the mesh came from, for messages.
     curving : Curving or None
         Of flat triangles that stand for a curved surface.
+    higher : Higher or None
+        All nodes of triangles of order 3 and 4 of a file, see `kshell.mesh.higher`.
     """
 
     points: Floats
@@ -101,10 +118,11 @@ class Triangulation:
     notes: tuple[str, ...] = ()
     source: str = "mesh"
     curving: Curving | None = None
+    higher: Higher | None = None
 
     @property
     def order(self) -> int:
-        """Polynomial order of the geometry, 1 or 2."""
+        """Polynomial order of the geometry by vertices and mid-edge nodes, 1 or 2."""
         return 1 if self.midpoints is None else 2
 
     @cached_property

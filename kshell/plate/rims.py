@@ -1,6 +1,6 @@
 """The true shape of curved edges, rebuilt from the nodes of the mesh.
 
-The nodes of a mesh (vertices, and mid-edge nodes at order 2) lie on the true edge of the plate; the
+The nodes of a mesh (vertices, and those on edges at order 2, 3 and 4) lie on the true edge of the plate; the
 chords between them do not. A spline through the nodes of each smooth piece, or the circle or ellipse
 that they lie on, gives tangents, curvature and the shape of every edge to high order, so that supports can be imposed
 on the edge itself: on the chords a simply supported curved edge would be clamped in the limit (the paradox of
@@ -15,6 +15,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.higher import nodes_along, order_of
 from kshell.mesh.mesh import Mesh
 from kshell.plate.chains import STRAIGHT, breaks, chained, is_straight, polygon
 from kshell.plate.conics import COEFFICIENTS, arc_of
@@ -76,15 +77,20 @@ def _fit_line(
 ) -> tuple[float, Floats]:
     """Fit the smooth pieces of one line and write its edges into ``out``."""
     edges = out.edges[line]
-    step = 1 if mesh.midpoints is None else 2  # nodes per edge
+    step = order_of(mesh)  # nodes per edge
     first = np.where(forward, mesh.edges[edges, 0], mesh.edges[edges, 1])
     last = np.where(forward, mesh.edges[edges, 1], mesh.edges[edges, 0])
     origin = mesh.points[first[0], :2]
     nodes = np.empty((len(line) * step + 1, 2))
     nodes[:-1:step] = mesh.points[first, :2] - origin
     nodes[-1] = mesh.points[last[-1], :2] - origin
-    if mesh.midpoints is not None:
-        nodes[1::2] = mesh.midpoints[edges, :2] - origin
+    if step > 1:
+        between = (
+            nodes_along(mesh, edges)[..., :2] - origin
+        )  # (edge, node, xy) from the lower to the higher vertex
+        between[~forward] = between[~forward, ::-1]
+        for k in range(1, step):
+            nodes[k::step] = between[:, k - 1]
 
     rounding = ROUNDING * float(np.abs(nodes + origin).max())
     directions = polygon(nodes, step, closed, rounding)

@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 
 LOWEST, HIGHEST = 5, 9  # degrees
 COEFFICIENTS = HIGHEST - 1  # of phi
-UNEVEN = 0.02  # relative difference of the lengths of neighbouring edges
+UNEVEN = 1e-3  # relative difference of the lengths of neighbouring edges
 REFITS = 2
 SETTLING = 0.25  # by which each degree must change less than the one before
 ALONG = 6  # points of an interval for its length

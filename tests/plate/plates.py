@@ -112,23 +112,24 @@ EGG_LOAD = (
 )
 
 
+def on_egg(points: Any) -> Any:
+    """Points (n, 3) of the unit disk drawn out along their radius, those of the circle to the egg."""
+    out = np.array(points)
+    r = np.linalg.norm(out, axis=1)
+    cosine, sine = (out[:, :2] / np.maximum(r, 1e-300)[:, None]).T
+    cube = sine**2 * cosine / 3
+    on = np.ones(len(out))
+    for _ in range(50):  # r^2 + r^3 sin^2 cos / 3 = 1
+        on -= (on**2 + cube * on**3 - 1) / (2 * on + 3 * cube * on**2)
+    out[:, :2] *= on[:, None]
+    return out
+
+
 def egg(rings: int, order: int = 1) -> Mesh:
     """A disk drawn to the curve x^2 + y^2 (1 + x / 3) = 1, which is no conic."""
     mesh = disk(rings, order)
-
-    def drawn(points: Any) -> Any:
-        out = np.array(points)
-        r = np.linalg.norm(out, axis=1)
-        cosine, sine = (out[:, :2] / np.maximum(r, 1e-300)[:, None]).T
-        on = np.ones(len(out))
-        for _ in range(50):  # r^2 + r^3 sin^2 cos / 3 = 1
-            cube = sine**2 * cosine / 3
-            on -= (on**2 + cube * on**3 - 1) / (2 * on + 3 * cube * on**2)
-        out[:, :2] *= on[:, None]
-        return out
-
-    middle = None if mesh.midpoints is None else drawn(mesh.midpoints)
-    return Mesh(drawn(mesh.points), mesh.triangles, middle, mesh.groups)
+    middle = None if mesh.midpoints is None else on_egg(mesh.midpoints)
+    return Mesh(on_egg(mesh.points), mesh.triangles, middle, mesh.groups)
 
 
 def solve(

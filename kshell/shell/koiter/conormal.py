@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.mesh.curving.fits import QUADRIC, Fits, Neighbourhoods
 from kshell.mesh.curving.sheets import find_sheets
+from kshell.mesh.higher import higher_nodes, order_of
 from kshell.mesh.triangulation import Triangulation
 from kshell.shell.koiter.edges import first_triangle
 from kshell.shell.koiter.surface import Surface
@@ -78,6 +79,14 @@ def _around(surface: Surface, vertices: Ints) -> tuple[Floats, Ints]:
         inside[mesh.triangles[near]] = True
     if surface.nodes is not surface.flat_nodes:  # all nodes lie on the true surface
         return surface.nodes, surface.triangle_nodes[near][:, _parts(surface.order)].reshape(-1, 3)
+    own = higher_nodes(mesh)
+    if own is not None:
+        places, number = np.unique(own[near].reshape(-1, 3), axis=0, return_inverse=True)
+        # vertices keep their numbers
+        points = np.concatenate([mesh.points, places])
+        nodes = len(mesh.points) + number.reshape(own[near].shape[:2])
+        nodes[:, :3] = mesh.triangles[near]
+        return points, nodes[:, _parts(order_of(mesh))].reshape(-1, 3)
     points, nodes = mesh.points, mesh.triangles[near]
     if mesh.midpoints is not None:
         points = np.concatenate([points, mesh.midpoints])

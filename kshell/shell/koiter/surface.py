@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.elements.reference import VERTICES
 from kshell.errors import InputError
+from kshell.mesh.higher import higher_nodes, order_of
 from kshell.mesh.mesh import Mesh
 from kshell.shell.koiter.numbering import NumberedMesh
 from kshell.shell.reference import (
@@ -30,7 +31,7 @@ class Surface(NumberedMesh):
     Parameters
     ----------
     mesh : Mesh
-        Order 1 or 2; mid-edge nodes give the curved geometry.
+        Its nodes give the curved geometry: vertices, mid-edge nodes, and those of order 3 and 4.
     order : int
         1, 2, 3 or 4.
     lift : callable, optional
@@ -73,10 +74,12 @@ class Surface(NumberedMesh):
 
     def _flat_nodes(self) -> Floats:
         mesh, p = self.mesh, self.order
-        known = mesh.points[mesh.triangles]  # (triangle, node of the mesh, 3)
-        if mesh.midpoints is not None:
-            known = np.concatenate([known, mesh.midpoints[mesh.triangle_edges]], axis=1)
-        shape = lagrange(mesh.order, lattice(p))
+        known = higher_nodes(mesh)  # (triangle, node of the mesh, 3)
+        if known is None:
+            known = mesh.points[mesh.triangles]
+            if mesh.midpoints is not None:
+                known = np.concatenate([known, mesh.midpoints[mesh.triangle_edges]], axis=1)
+        shape = lagrange(order_of(mesh), lattice(p))
         nodes = np.empty((self.node_count, 3))
         nodes[self.triangle_nodes] = np.einsum("nk,tkx->tnx", shape, known)
         nodes[: len(mesh.points)] = mesh.points
