@@ -84,9 +84,9 @@ def _around(surface: Surface, vertices: Ints) -> tuple[Floats, Ints]:
         places, number = np.unique(own[near].reshape(-1, 3), axis=0, return_inverse=True)
         # vertices keep their numbers
         points = np.concatenate([mesh.points, places])
-        nodes = len(mesh.points) + number.reshape(own[near].shape[:2])
-        nodes[:, :3] = mesh.triangles[near]
-        return points, nodes[:, _parts(order_of(mesh))].reshape(-1, 3)
+        own_nodes: Ints = len(mesh.points) + number.reshape(own[near].shape[:2]).astype(np.int64)
+        own_nodes[:, :3] = mesh.triangles[near]
+        return points, own_nodes[:, _parts(order_of(mesh))].reshape(-1, 3)
     points, nodes = mesh.points, mesh.triangles[near]
     if mesh.midpoints is not None:
         points = np.concatenate([points, mesh.midpoints])
