@@ -24,6 +24,8 @@ from kshell.elements.reference import DualBasis
 
 Floats = NDArray[np.float64]
 
+TOGETHER = 32_768  # entries of matrices made at a time: what lies between them stays in the cache
+
 
 @lru_cache(maxsize=16)
 def _tables(basis: DualBasis, order: int) -> Floats:
@@ -34,10 +36,15 @@ def _tables(basis: DualBasis, order: int) -> Floats:
 
 def _constant_coefficient(element: PlateElement, order: int, weight: Floats, transform: Floats) -> Floats:
     """transform^T (sum_ab weight_ab R_ab) transform for weights (triangle, partial, partial)."""
-    n = element.count
-    flat = weight.reshape(len(weight), -1) @ _tables(element.basis, order)
-    reference = flat.reshape(-1, n, n)
-    return np.swapaxes(transform, 1, 2) @ (reference @ transform)
+    n, columns = element.count, transform.shape[2]
+    flat, tables = weight.reshape(len(weight), -1), _tables(element.basis, order)
+    out = np.empty((len(weight), columns, columns))
+    step = max(1, TOGETHER // n**2)
+    for begin in range(0, len(weight), step):
+        some = slice(begin, begin + step)
+        reference = (flat[some] @ tables).reshape(-1, n, n)
+        np.matmul(np.swapaxes(transform[some], 1, 2), reference @ transform[some], out=out[some])
+    return out
 
 
 def stiffness(
