@@ -9,6 +9,7 @@ or the tangent at the end of a path of large deflections.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -95,7 +96,7 @@ def _stage(run: Run, model: Model) -> Stage:
         free = np.zeros((model.unknowns, 0))
         rigid = RigidModes(free, []) if state is not None else model.rigid_modes(mass)
     with run.clock.stage("solve"):
-        pencil = Pencil(stiffness, mass, rigid.vectors)
+        pencil = Pencil(stiffness, mass, rigid.vectors, order=cache(model.elimination))
         if state is None:
             pencil = pencil._replace(energy=model.energies, product=_columns(model))
         return Stage(run, model, pencil, solve_pencil(pencil, run), state)

@@ -151,6 +151,10 @@ class Model(ABC):
         """How modes (q, mode) take part in rigid motions of the whole."""
         raise InputError(f"a {self.kind} with the element {self.element} has no mass matrix: {_OTHER}")
 
+    def elimination(self) -> NDArray[np.integer] | None:
+        """(q,) the unknown in each place of an order of elimination with little fill; None where none is known."""
+        return None
+
     def energies(self, vectors: Floats) -> Floats:
         """X^T K X (k, k) of motions X (q, k), through strains where the entries of K have lost digits."""
         return np.asarray(vectors.T @ (self.stiffness() @ vectors))

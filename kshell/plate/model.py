@@ -30,6 +30,7 @@ from kshell.scene.structure import Placed, Structure
 from kshell.solvers import Prepared, Solution, prepare
 from kshell.solvers.dense import solve_dense
 from kshell.solvers.direct import Factorisation
+from kshell.solvers.dissection import dissected
 
 Floats = NDArray[np.float64]
 
@@ -110,6 +111,13 @@ class PlateModel(MovingModel):
         problem = self.problem
         holds, _ = assemble_load(problem.supports.hold_loads, problem.domain, problem.reduction)
         return problem.system.fixed_load + holds
+
+    def elimination(self) -> NDArray[np.integer]:
+        mesh, nodes = self.problem.mesh, len(self.problem.mesh.points)
+        members = np.concatenate([mesh.triangles, nodes + mesh.triangle_edges], axis=1)
+        centres = self.problem.domain.points[mesh.triangles].mean(axis=1)
+        place = dissected(centres, members, nodes + len(mesh.edges))
+        return np.argsort(np.repeat(place, self.problem.reduction.sizes), kind="stable")
 
     def expand(self, q: Floats) -> Floats:
         return np.asarray(self.problem.space.reduction @ q)

@@ -98,6 +98,11 @@ class ShellModel(FiniteModel):
     def motion_vector(self) -> Floats:
         return -(self.problem.reduction.basis.T @ self._forces(self.problem.reduction.given))
 
+    def elimination(self) -> NDArray[np.integer]:
+        basis = sp.csc_matrix(self.problem.reduction.basis)
+        first = basis.indices[basis.indptr[:-1]]  # the first unknown that each free one moves
+        return np.argsort(self.problem.energy.elimination[first], kind="stable")
+
     def expand(self, q: Floats) -> Floats:
         return np.asarray(self.problem.reduction.basis @ q)
 

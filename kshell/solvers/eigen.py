@@ -16,6 +16,9 @@ theta    eigenvalues of the operator, 1 / (lambda - sigma)
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +41,8 @@ ATTEMPTS = 3
 SPACE = 2.5
 # relative residual of theta; values are as good as its square, and are sharpened afterwards
 CONVERGED = 1e-11
+# unknowns from which an order of elimination is worth looking for, and factors are not kept beside others
+LARGE = 30_000
 NOT_COUNTED = "that none was missed is not checked: "
 NO_LIBRARY = "no library here counts eigenvalues of so large a matrix in reasonable time (cvxopt does)"
 ROUNDED_AWAY = (
@@ -137,12 +142,20 @@ def _range_uncounted(pencil: Pencil, low: float, high: float, most: int) -> Spec
 def _factor(pencil: Pencil, shift: float, definite: bool) -> SymmetricFactor:
     shifted = pencil.stiffness if shift == 0.0 else (pencil.stiffness - shift * pencil.mass).tocsr()
     try:
-        return factorise_symmetric(shifted, definite)
+        return factorise_symmetric(shifted, definite, _order(pencil))
     except Singular as error:
         raise SolveError(
             f"the stiffness is singular ({error}): the structure can move freely in a way that its rigid motions do "
             "not say (a mechanism); look for hinges in a row and parts that hang together at a vertex"
         ) from error
+
+
+def _order(pencil: Pencil) -> NDArray[np.integer] | None:
+    """An order of elimination, of large matrices that one process has."""
+    small = pencil.stiffness.shape[0] < LARGE
+    if pencil.order is None or small or hasattr(pencil.stiffness, "factorised"):
+        return None
+    return pencil.order()
 
 
 def _count_below(pencil: Pencil, value: float) -> int | None:
@@ -154,8 +167,9 @@ def _count_below(pencil: Pencil, value: float) -> int | None:
         return None
     for nudge in (0.0, 1e-7, -1e-7):  # pivots on the diagonal can vanish by chance
         try:
-            shifted = (pencil.stiffness - value * (1.0 + nudge) * pencil.mass).tocsr()
-            below = factorise_symmetric(shifted, False).count_negative()
+            tau = value * (1.0 + nudge)
+            # nothing here holds the shifted matrix, which is let go when its half is copied
+            below = factorise_symmetric(_shifted(pencil, tau), False, _order(pencil)).count_negative()
         except Singular:
             continue
         if below is not None:
@@ -165,9 +179,12 @@ def _count_below(pencil: Pencil, value: float) -> int | None:
 
 def _lowest(pencil: Pencil, count: int) -> Spectrum:
     """The smallest ones, confirmed by a count."""
+    factor: SymmetricFactor | None
     sigma, factor = _shift_below(pencil)
     wanted, note, solves = count + BEYOND, "", 0
     for attempt in range(1, ATTEMPTS + 1):
+        if factor is None:
+            factor = _factor(pencil, sigma, True)
         values, vectors, used = _lanczos(pencil, wanted, sigma, factor, attempt)
         solves += used
         behind = gap_behind(values, count)
@@ -176,13 +193,18 @@ def _lowest(pencil: Pencil, count: int) -> Spectrum:
             note = "the modes around the last one lie so close together that no gap was found behind them"
             continue
         tau = _between(values[behind - 1], values[behind])
+        found = _spectrum(values, vectors, factor, sigma, solves)
+        large = pencil.stiffness.shape[0] >= LARGE and not hasattr(pencil.stiffness, "factorised")
+        if large:
+            finished(pencil, values, vectors, found, count)
+            found.solve = _solve_again(pencil, sigma)
+            factor, vectors = None, found.vectors  # the count needs room for another factor
         below = _count_below(pencil, tau)
         missing = 0 if below is None else below - pencil.rigid.shape[1] - behind
         if missing > 0:
             note = f"{missing} modes are missing by count"
             wanted += 2 * missing + BEYOND
             continue
-        found = _spectrum(values, vectors, factor, sigma, solves)
         found.checked = below is not None and missing == 0
         if missing < 0:
             found.notes.append(
@@ -191,14 +213,18 @@ def _lowest(pencil: Pencil, count: int) -> Spectrum:
             )
         if below is None:
             found.notes.append(uncounted(pencil.stiffness.shape[0]))
-        return finished(pencil, values, vectors, found, count)
-    if "gap" in note:
+        return found if large else finished(pencil, values, vectors, found, count)
+    if "gap" in note and factor is not None:
         found = _spectrum(values, vectors, factor, sigma, solves)
         found.notes.append(f"that none was missed is not checked: {note}")
         return finished(pencil, values, vectors, found, count)
     raise SolveError(
         f"{note} after {ATTEMPTS} attempts: the iteration does not find them; refine or mend the mesh"
     )
+
+
+def _shifted(pencil: Pencil, value: float) -> Any:
+    return (pencil.stiffness - value * pencil.mass).tocsr()
 
 
 def _near(pencil: Pencil, count: int, shift: float, attempt: int = 1) -> Spectrum:
@@ -214,6 +240,18 @@ def _spectrum(
     values: Floats, vectors: Floats, factor: SymmetricFactor, sigma: float, solves: int
 ) -> Spectrum:
     return Spectrum(values, vectors, solver=factor.name, solves=solves, solve=factor.solve, shift=-sigma)
+
+
+def _solve_again(pencil: Pencil, sigma: float) -> Callable[[Any], Any]:
+    """The solution with K - sigma M, factorised when it is asked for."""
+    kept: list[SymmetricFactor] = []
+
+    def solve(rhs: Any) -> Any:
+        if not kept:
+            kept.append(_factor(pencil, sigma, True))
+        return kept[0].solve(rhs)
+
+    return solve
 
 
 def _shift_below(pencil: Pencil) -> tuple[float, SymmetricFactor]:

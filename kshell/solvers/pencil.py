@@ -29,6 +29,8 @@ class Pencil(NamedTuple):
         (n, k) vectors X to X^T K X, formed through strains: more accurate than by the entries of K.
     product : callable or None
         (n, k) vectors X to K X, formed through strains.
+    order : callable or None
+        Gives an order of elimination (n,) with little fill.
     """
 
     stiffness: Any
@@ -36,6 +38,7 @@ class Pencil(NamedTuple):
     rigid: Floats
     energy: Callable[[Any], Any] | None = None
     product: Callable[[Any], Any] | None = None
+    order: Callable[[], NDArray[np.integer] | None] | None = None
 
 
 @dataclass

@@ -113,9 +113,16 @@ class Cholmod:
 
 
 class CholmodColumns:
-    """L D L^T by CHOLMOD, column by column, D diagonal and of any signs: there is no choice of pivots."""
+    """L D L^T by CHOLMOD, column by column, D diagonal and of any signs: there is no choice of pivots.
 
-    def __init__(self, indptr: Ints, indices: Ints) -> None:
+    Parameters
+    ----------
+    indptr, indices : int arrays
+    ordered : bool
+        Whether the unknowns are in a good order of elimination; else it looks for one.
+    """
+
+    def __init__(self, indptr: Ints, indices: Ints, ordered: bool = False) -> None:
         from cvxopt import cholmod, spmatrix
         from cvxopt import matrix as dense
 
@@ -125,17 +132,21 @@ class CholmodColumns:
         before = cholmod.options.get("supernodal", 2)
         cholmod.options["supernodal"] = 0
         try:
-            self._symbolic = cholmod.symbolic(self._matrix, uplo="L")
+            order = {"p": dense(np.arange(n, dtype=np.int64))} if ordered else {}
+            self._symbolic = cholmod.symbolic(self._matrix, uplo="L", **order)
         finally:
             cholmod.options["supernodal"] = before
         self._cholmod, self._dense, self._count = cholmod, dense, n
 
-    def factorise(self, entries: Floats) -> Factor:
+    def factorise(self, entries: Floats, last: bool = False) -> Factor:
+        """The matrix with these entries; `last`: there is no other one, and it is not kept beside its factor."""
         self._matrix.V = self._dense(entries)
         try:
             self._cholmod.numeric(self._matrix, self._symbolic)
         except ArithmeticError as error:
             raise Singular(f"CHOLMOD: the pivot of unknown {error} is zero") from error
+        if last:
+            del self._matrix
         inverse = self._dense(np.ones(self._count))
         self._cholmod.solve(self._symbolic, inverse, sys=6)  # D x = 1
         negative = int(np.sum(np.array(inverse) < 0.0))

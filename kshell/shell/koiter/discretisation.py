@@ -7,6 +7,7 @@ from a scene works with either.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -136,7 +137,11 @@ class KoiterDiscretisation(Discretisation):
 
     def patches(self) -> tuple[Ints, Floats]:
         """(triangle,) smooth piece of each triangle, and (triangle, 3) angles at the corners."""
-        return smooth_patches(self.surface, FOLD if self.true_shape else FACET), self.surface.corner_angles
+        return self._patches, self.surface.corner_angles
+
+    @cached_property
+    def _patches(self) -> Ints:
+        return smooth_patches(self.surface, FOLD if self.true_shape else FACET)
 
     def largest_curvature(self) -> Floats:
         """(triangle,) largest principal curvature in size."""
