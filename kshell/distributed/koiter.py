@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kshell.distributed.calls import ELSEWHERE, Shared, on_all
 from kshell.distributed.matrix import Scattered, Terms
-from kshell.distributed.partition import partition
+from kshell.distributed.partition import partition, share_of_first
 from kshell.distributed.piece import PartSurface, Places, SurfaceData, directors_of, section_of
 from kshell.distributed.refuse import ALONE, INSTEAD
 from kshell.distributed.shares import Share
@@ -266,7 +266,7 @@ class PartedDiscretisation(KoiterDiscretisation):
     def __init__(self, team: Team, *given: Any) -> None:
         super().__init__(*given)
         self.team = team
-        part = partition(self.surface.mesh, team.size)
+        part = partition(self.surface.mesh, team.size, share_of_first(team.size))
         self.members = [np.flatnonzero(part == rank) for rank in range(team.size)]
 
     def energy(self, section: Section, inelastic: Inelastic | None = None) -> PartedKoiter:

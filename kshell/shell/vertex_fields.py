@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.equilibrium.energy import in_blocks
 from kshell.material.section import BOTTOM, MIDDLE, TOP, Section
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
@@ -36,6 +37,9 @@ Left = Callable[[int, Ints, Floats], Floats]
 
 FACES = ("bottom", "middle", "top")
 FEW = 0.25  # of the triangles, around some vertices, that are worth looking at by themselves
+BLOCK = (
+    2048  # triangles looked at together; what is found on the way takes ten times the room of what is kept
+)
 DEGREE = 4  # of the polynomials through which moments inside a triangle are differentiated
 SYMMETRIC = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])  # places of xx yy zz yz xz xy in the full tensor
 
@@ -79,6 +83,10 @@ class Recovered:
 
     def shear(self, points: Floats, triangles: Ints) -> Floats:
         """Q as vectors in space (triangle, point, 3), at reference points, from the moments inside each triangle."""
+        parts = [self._shear(points, triangles[some]) for some in in_blocks(len(triangles), BLOCK)]
+        return np.concatenate(parts) if parts else np.zeros((0, len(points), 3))
+
+    def _shear(self, points: Floats, triangles: Ints) -> Floats:
         found = self.recovery.resultants(lattice(DEGREE), triangles)
         slopes = first_derivatives(DEGREE, points)
         moment = in_space(found.moment, found.axes)[..., SYMMETRIC]  # (triangle, node, 3, 3)
@@ -119,11 +127,14 @@ class CornerMeans:
     @cached_property
     def corners(self) -> tuple[dict[str, Floats], Floats]:
         """Averaged values (triangle, 3, ...) at the corners by name, and the frames there (triangle, 3, 3, 3)."""
-        found, tensors = self.recovered.tensors(VERTICES, self.triangles)
-        names = list(tensors)
-        spatial = [in_space(tensors[name], found.axes) for name in names]
-        columns = np.concatenate([*spatial, found.axes[..., 2, :]], axis=-1)
-        means = self._average(columns, self.patches)
+        names: list[str] = []
+        parts = []
+        for some in in_blocks(len(self.triangles), BLOCK):
+            found, tensors = self.recovered.tensors(VERTICES, self.triangles[some])
+            names = list(tensors)
+            spatial = [in_space(tensors[name], found.axes) for name in names]
+            parts.append(np.concatenate([*spatial, found.axes[..., 2, :]], axis=-1))
+        means = self._average(np.concatenate(parts), self.patches)
         frame = frames_of_normals(means[..., -3:])
         out = {name: in_frame(means[..., 6 * k : 6 * k + 6], frame) for k, name in enumerate(names)}
         return out, frame

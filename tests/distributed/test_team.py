@@ -24,7 +24,7 @@ from kshell.distributed.koiter import PartedDiscretisation
 from kshell.distributed.leading import Told, answered
 from kshell.distributed.matrix import Scattered
 from kshell.distributed.numbering import Assembled, Basis, Numbering, reduced
-from kshell.distributed.partition import halved, partition
+from kshell.distributed.partition import cut_by_places, partition, share_of_first
 from kshell.distributed.piece import PartSurface, Places, SurfaceData, section_of
 from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
@@ -243,10 +243,21 @@ def test_files_are_read_by_one() -> None:
 @pytest.mark.parametrize("parts", [1, 2, 3, 7])
 def test_parts_are_of_equal_size(parts: int) -> None:
     mesh = roof()
-    for found in (partition(mesh, parts), halved(mesh.points[mesh.triangles].mean(axis=1), parts)):
+    by_places = cut_by_places(mesh.points[mesh.triangles].mean(axis=1), [1.0 / parts] * parts)
+    for found in (partition(mesh, parts), by_places):
         sizes = np.bincount(found, minlength=parts)
         assert len(sizes) == parts
         assert sizes.min() >= 0.6 * sizes.mean()
+
+
+@pytest.mark.parametrize("parts", [3, 4, 40])
+def test_the_first_has_fewer_triangles_as_it_has_the_whole(parts: int) -> None:
+    mesh = ks.geometry.Cylinder(1.0).mesh(12, 12, 1, ("a", "b", "c", "d"), (0.5, 1.4), (0.0, 1.0))
+    sizes = np.bincount(partition(mesh, parts, share_of_first(parts)), minlength=parts)
+    assert sizes.min() >= 1
+    assert sizes[0] < 0.9 * sizes[1:].mean()
+    assert share_of_first(2) == 0.5
+    assert share_of_first(parts) >= 0.1 / parts
 
 
 def test_more_parts_than_triangles_are_refused() -> None:

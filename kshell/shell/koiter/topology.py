@@ -12,6 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.energy import in_blocks
 from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.shell.frames import components, covariant_to_frame, tangent_frame
@@ -20,6 +21,8 @@ from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+
+BLOCK = 2048  # triangles looked at together
 
 
 @dataclass(frozen=True)
@@ -150,9 +153,14 @@ def largest_curvature(surface: Surface) -> Floats:
 
     Flat triangles (p = 1) have none; folds are not counted.
     """
+    parts = [_largest(surface, some) for some in in_blocks(len(surface.mesh.triangles), BLOCK)]
+    return np.concatenate(parts)
+
+
+def _largest(surface: Surface, triangles: slice) -> Floats:
     ref = surface.reference
-    x = surface.tangents(ref.first)
-    second = surface.jets(surface.nodes, ref.second)
+    x = surface.tangents(ref.first, triangles)
+    second = surface.jets(surface.nodes, ref.second, triangles)
     e1, e2, n = tangent_frame(x)
     b = np.stack([dot(n, second[v]) for v in range(3)])
     b11, b22, b12 = np.einsum("vwtq,wtq->vtq", covariant_to_frame(components(x, e1, e2)), b)
