@@ -37,7 +37,15 @@ FAR, SHARE_WORST = 30.0, 0.5  # times the tolerance, from which the worst are cu
 
 @dataclass
 class Level:
-    """One mesh and what is known on it."""
+    """One mesh and what is known on it.
+
+    Attributes
+    ----------
+    half_width : float
+        Largest one of what is asked for, relative.
+    shape : float
+        What will be left of it on any finer mesh, because these keep the shape of the first one.
+    """
 
     run: Run
     model: Model
@@ -47,6 +55,7 @@ class Level:
     seconds: float
     answered: Answered | None = None
     pair: PlatePair | None = None
+    shape: float = 0.0
 
 
 @dataclass
@@ -61,6 +70,7 @@ class Refinement:
     levels: list[Level] = field(default_factory=list)
     why_not: str = ""
     frozen: float = 0.0  # share of a shape that refining adds nothing to
+    cut: float = 0.0  # the same of finer meshes, if it is more
     quartics: bool = False  # in the place of cubics
 
 
@@ -104,7 +114,7 @@ def share_of_shape(loop: Refinement, model: Model, found: Assessment) -> float:
     """Relative error because of the shape of a mesh: what refining adds nothing to, and what it does."""
     followed = loop.refiner.followed
     if followed is None:
-        return max(found.geometry or 0.0, loop.frozen)
+        return max(found.geometry or 0.0, loop.frozen, loop.cut if loop.levels else 0.0)
     assert isinstance(model, PlateModel | HHJModel)
     domain = model.problem.domain
     if not domain.curves.curved.any():  # Morley plates end at chords

@@ -24,6 +24,7 @@ from kshell.error.assess import assess
 from kshell.error.assessment import ENERGY, MISSED, PROBES
 from kshell.error.bounds import PlatePair
 from kshell.error.plates import assess_pair, geometry_share
+from kshell.error.shells import share_when_cut
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
@@ -42,6 +43,9 @@ Ints = NDArray[np.int64]
 GROWTH = 2.5  # of unknowns, time and memory from one level to the next, to be expected
 MOST_LEVELS = 60
 STALLED = 0.8  # a level that leaves more of the half width than this, with half as many unknowns more, gains nothing
+LITTLE = (
+    2.0  # times what the shape of the first mesh leaves, is a half width that finer ones narrow by little
+)
 GAINLESS = 3  # such levels in a row, after which refining ends
 GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
 QUARTICS = "order 4: quartics follow a chart so closely that its shape takes no triangles of its own"
@@ -93,6 +97,8 @@ def analyse(model: Model, run: Run) -> Result:
         loop.frozen = geometry_share(followed.first)
     elif first is not None and not shape_is_known(run.scene) and not loop.pair:
         loop.frozen = assess(model, first.state, first.result, 0).geometry or 0.0
+        if isinstance(model, KoiterModel) and isinstance(first.state, Solved):
+            loop.cut = share_when_cut(model, model.problem.energy.linear_strain(first.state.x))
     _refine(loop, mesh)
     return _result(loop, first)
 
@@ -161,7 +167,9 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
 
 def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
     run = loop.run.on_mesh(mesh)
+    wanted = loop.names or [ENERGY]
     answered = pair = None
+    shape = 0.0
     if loop.pair:
         from kshell.analysis.models import build_model
 
@@ -178,14 +186,18 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         found = assess(model, answered.state, result, 3 * len(loop.names), loop.names, marks=True)
         if found.energy is None:
             raise InputError(f"tolerance: {found.why_not}")
+        found.with_share(result.error["budget"]["algebra"] or 0.0)
+        known = max(found.relative(name) for name in wanted)
         found.geometry = share_of_shape(loop, model, found)
-        found.with_share((result.error["budget"]["algebra"] or 0.0) + found.geometry)
+        found.with_share(found.geometry)
+        if found.geometry > 0.0:
+            adds = max(found.relative(name) for name in wanted) - known
+            shape = adds * max(loop.frozen, loop.cut) / found.geometry
         if run.structure.missed:
             found.with_loads(run.structure.missed, largest_displacement(result))
         unknowns = result.unknowns
-    wanted = loop.names or [ENERGY]
     half = max(found.relative(name) for name in wanted)
-    return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered, pair)
+    return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered, pair, shape)
 
 
 def _strain_energy(pair: PlatePair) -> float | None:
@@ -208,13 +220,14 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
         return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
     if not np.isfinite(level.half_width):
         return "what is asked for does not move, so no error of it is small"
-    if loop.frozen > 0.0 and loop.frozen > float(options.tolerance):
+    if level.shape > float(options.tolerance) and level.half_width <= LITTLE * level.shape:
+        shape = max(loop.frozen, loop.cut)
         cure = (
             "give its geometry, or a chart"
             if loop.refiner.followed is None
             else "begin with more nodes along its curved edges"
         )
-        return f"the shape of the mesh is known to {loop.frozen:.1e} only, and refining adds nothing: {cure}"
+        return f"the shape of the mesh is known to {shape:.1e} only, and refining adds nothing: {cure}"
     limit = blocked(loop, level)
     if limit:
         return limit

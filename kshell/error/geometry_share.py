@@ -2,14 +2,17 @@
 
 Relative, weighted with the energy that each triangle stores. A quadratic triangle whose normal turns by an angle phi
 changes deflections by about 0.2 phi^4 at most (Scordelis-Lo roof, pinched cylinder and hemisphere with three meshes
-each: 1e-5 to 1e-3 at phi = 0.17 to 0.39), facets that meet at an angle phi by about phi (the same roof: 18, 8 and 4 %).
+each: 1e-5 to 1e-3 at phi = 0.17 to 0.39); elements on parts of it, which see the angles between such triangles, by
+0.12 m phi^3 more (the roof on regular meshes, exactly as phi^3: 4e-3 to 8e-6 at phi = 0.35 to 0.044; less on others), m
+the share of the membrane in the energy. Facets that meet at an angle phi change them by about phi (the same roof: 18, 8
+and 4 %).
 
 Interpolants of a chart, by regular meshes, such as grow finer toward some place, and such with triangles cut at random;
-m is the share of the membrane in the energy, d is 1 on domes and 0 on cylinders and saddles, t / R the thickness over
+d is 1 on domes and 0 on cylinders and saddles, t / R the thickness over
 the smallest radius of curvature:
 
     cubic      (5e-4 + 0.03 m d) phi^3 + 0.06 m phi^4 + 0.01 phi^5 + 0.01 (t / R)^2 phi^2
-    quartic    2e-3 m d phi^4 + (1e-3 + 0.02 m d) phi^6 + 5e-4 (t / R)^2 phi^4
+    quartic    1e-2 m d phi^4 + (1e-3 + 0.02 m d) phi^6 + 5e-4 (t / R)^2 phi^4
 
 Cubics have the term m phi^4 of tubes under forces on a free rim, where an ovalling that hardly stretches them turns a
 membrane strain of 1e-6 into 3e-4 of the deflection (phi = 0.26, t / R = 0.01, triangles cut here and there; 6e-5 on a
@@ -28,8 +31,9 @@ from kshell.mesh.mesh import Mesh
 Floats = NDArray[np.float64]
 
 QUADRATIC, QUADRATIC_POWER = 0.2, 4
+CUT = 0.12  # m phi^3, of parts of quadratic triangles
 CUBIC = 5e-4, 3e-2, 6e-2, 1e-2, 1e-2  # phi^3, m d phi^3, m phi^4, phi^5, (t / R)^2 phi^2
-QUARTIC = 2e-3, 1e-3, 2e-2, 5e-4  # m d phi^4, phi^6, m d phi^6, (t / R)^2 phi^4
+QUARTIC = 1e-2, 1e-3, 2e-2, 5e-4  # m d phi^4, phi^6, m d phi^6, (t / R)^2 phi^4
 ROUND = 0.2  # area on the unit sphere that the normals of a triangle enclose, over the square of its turn: a sphere's
 FLAT = 1e-9  # angle that is rounding
 PAIRS = ((0, 1), (1, 2), (0, 2))  # of corners
@@ -98,6 +102,11 @@ def turn_between(mesh: Mesh, pieces: NDArray[np.integer]) -> Floats:
 def share_of_quadratics(turn: Floats) -> Floats:
     """(triangle,) of triangles of order 2."""
     return np.asarray(QUADRATIC * turn**QUADRATIC_POWER)
+
+
+def share_of_cut_quadratics(turn: Floats, membrane: Floats | float) -> Floats:
+    """(triangle,) of triangles of order 2 that are cut into smaller ones on the same surface."""
+    return np.asarray(share_of_quadratics(turn) + CUT * membrane * turn**3)
 
 
 def share_of_chart(

@@ -16,6 +16,7 @@ from kshell.error.geometry_share import (
     curvature_of_triangles,
     domed,
     share_of_chart,
+    share_of_cut_quadratics,
     share_of_facets,
     share_of_quadratics,
     turn_between,
@@ -138,6 +139,16 @@ def geometry_share(model: KoiterModel, strain: Floats) -> float:
     """Relative error because of the shape of the triangles; strains (triangle, 2 r) tell where the energy is."""
     membrane, bending = energies(model.problem.energy, strain)
     return weighted(_shares(model, membrane, bending), membrane + bending)
+
+
+def share_when_cut(model: KoiterModel, strain: Floats) -> float:
+    """The same of finer meshes, whose new nodes lie on the triangles of this one."""
+    membrane, bending = energies(model.problem.energy, strain)
+    mesh = model.problem.space
+    if mesh.midpoints is None:
+        return weighted(_shares(model, membrane, bending), membrane + bending)
+    stretched = membrane / np.maximum(membrane + bending, 1e-300)
+    return weighted(share_of_cut_quadratics(turn_of_triangles(mesh), stretched), membrane + bending)
 
 
 def shape_marks(model: KoiterModel, strain: Floats) -> Floats:
