@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from kshell.scene.imperfection import Imperfection
     from kshell.scene.line import Line
     from kshell.scene.loads import (
+        Disc,
         EdgeMoment,
         Gravity,
         Hydrostatic,
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
         PointForce,
         PointMoment,
         Pressure,
+        Rectangle,
         Snow,
         Temperature,
         Traction,
@@ -65,6 +67,7 @@ __all__ = [
     "Combination",
     "Contact",
     "Damping",
+    "Disc",
     "EdgeMoment",
     "Elastic",
     "Fixed",
@@ -91,6 +94,7 @@ __all__ = [
     "PointForce",
     "PointMoment",
     "Pressure",
+    "Rectangle",
     "Result",
     "RigidLink",
     "Scene",
@@ -144,7 +148,9 @@ _LAZY = {
             "Pressure",
             "Traction",
             "Snow",
+            "Disc",
             "Hydrostatic",
+            "Rectangle",
             "Gravity",
             "LineForce",
             "EdgeMoment",

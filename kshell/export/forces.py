@@ -15,8 +15,8 @@ from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
     EdgeMoment,
     Gravity,
-    Hydrostatic,
     LineForce,
+    PlacedPressure,
     PointForce,
     PointMoment,
     Pressure,
@@ -73,7 +73,7 @@ class _Builder:
         at = np.concatenate([points, normals], axis=2) if load.needs_normal else points
         return at, normals, weights
 
-    @HANDLERS.of(Pressure, Hydrostatic)
+    @HANDLERS.of(Pressure, PlacedPressure)
     def _pressure(self, load: Any, placed: Placed[Any]) -> None:
         triangles = placed.members(self.nodes.mesh)
         at, normals, weights = self._places(load, triangles)

@@ -22,11 +22,11 @@ from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
     EdgeMoment,
     Gravity,
-    Hydrostatic,
     InitialCurvature,
     InitialStrain,
     LineForce,
     Load,
+    PlacedPressure,
     PointForce,
     PointMoment,
     Pressure,
@@ -167,7 +167,7 @@ class _Builder:
     ) -> None:
         self.out.forms.append(AreaLoad(self.domain, self.element, self._triangles(placed), value, degree))
 
-    @HANDLERS.of(Pressure, Hydrostatic)
+    @HANDLERS.of(Pressure, PlacedPressure)
     def _pressure(self, load: Any, placed: Placed[Any]) -> None:
         if load.follower:
             raise InputError(

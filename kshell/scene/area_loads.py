@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +12,6 @@ from kshell.errors import InputError
 from kshell.scene.load import Load, Name
 from kshell.scene.places import (
     On,
-    ScalarValue,
     SurfaceScalar,
     SurfaceVector,
     VectorValue,
@@ -118,55 +117,6 @@ class Snow(Load):
                 f"{self}: the value is negative somewhere: snow lies on the surface, it does not lift"
             )
         return weight[..., None] * np.abs(x[..., 5:6]) * np.array([0.0, 0.0, -1.0])
-
-
-@described("load hydrostatic")
-class Hydrostatic(Load):
-    """Pressure of a liquid at rest along the normal: its weight per volume times the depth below its level.
-
-    Attributes
-    ----------
-    weight : number [force / length^3]
-        Per volume; negative where the liquid stands on the side the normal points to, which it pushes away from.
-    level : number or expression [length]
-        The z of its surface; above it there is no pressure.
-    follower : bool
-        Whether it turns with the surface under large deflections; the depth is that of the undeformed place.
-
-    Examples
-    --------
-    ```toml
-    [[load]]
-    kind = "hydrostatic"
-    on = "wall"
-    weight = 9810
-    level = 4.0
-    follower = true
-    ```
-    """
-
-    kind: ClassVar[str] = "hydrostatic"
-    scaling: ClassVar[tuple[str, ...]] = ("weight",)
-    placing: ClassVar[tuple[str, ...]] = ("level",)
-    weight: ScalarValue
-    level: ScalarValue
-    on: On | None = None
-    fixed: Flag = False
-    follower: Flag = False
-    name: Name = field(default="", kw_only=True)
-
-    @property
-    def value(self) -> Any:
-        """Of the pressure: a function of the place."""
-        return self.at
-
-    def at(self, points: ArrayLike) -> NDArray[np.float64]:
-        x = np.asarray(points, dtype=float)
-        depth = values_at(self.level, x, what=f"{self}, level") - x[..., 2]
-        return values_at(self.weight, x, what=f"{self}, weight") * np.maximum(depth, 0.0)
-
-    def stretches(self, points: ArrayLike) -> str:
-        return "follows the surface" if self.follower else ""
 
 
 @described("load gravity")

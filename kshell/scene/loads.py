@@ -7,9 +7,10 @@ from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
-from kshell.scene.area_loads import Gravity, Hydrostatic, Pressure, Snow, Traction
+from kshell.scene.area_loads import Gravity, Pressure, Snow, Traction
 from kshell.scene.free_strains import InitialCurvature, InitialStrain, Temperature
 from kshell.scene.load import NEGLIGIBLE, Load, Name, exceeds
+from kshell.scene.placed_pressures import Disc, Hydrostatic, PlacedPressure, Rectangle
 from kshell.scene.places import (
     On,
     ScalarValue,
@@ -20,6 +21,7 @@ from kshell.values.validation import Flag, described
 __all__ = [
     "LOADS",
     "NEGLIGIBLE",
+    "Disc",
     "EdgeMoment",
     "Gravity",
     "Hydrostatic",
@@ -28,9 +30,11 @@ __all__ = [
     "LineForce",
     "Load",
     "Name",
+    "PlacedPressure",
     "PointForce",
     "PointMoment",
     "Pressure",
+    "Rectangle",
     "Snow",
     "Temperature",
     "Traction",
@@ -160,6 +164,8 @@ LOADS: dict[str, type[Any]] = {
         Traction,
         Snow,
         Hydrostatic,
+        Disc,
+        Rectangle,
         Gravity,
         LineForce,
         EdgeMoment,

@@ -20,11 +20,11 @@ from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
     EdgeMoment,
     Gravity,
-    Hydrostatic,
     InitialCurvature,
     InitialStrain,
     LineForce,
     Load,
+    PlacedPressure,
     PointForce,
     PointMoment,
     Pressure,
@@ -139,7 +139,7 @@ class _Builder:
         self.number = 0
         self.out = ShellLoads()
 
-    @HANDLERS.of(Pressure, Hydrostatic)
+    @HANDLERS.of(Pressure, PlacedPressure)
     def _pressure(self, load: Any, placed: Placed[Any]) -> None:
         triangles, value = placed.members(self.mesh), _value(load)
         if load.follower:
