@@ -169,18 +169,22 @@ def diff(
     second: Annotated[Path, typer.Argument(metavar="DIR", help="Another.")],
     *,
     tolerance: Annotated[
-        float | None, typer.Option(help="Exit with 1 if a relative difference is larger.")
+        float | None,
+        typer.Option(
+            help="Exit with 1 if a relative difference is larger; below 1e-9 it is taken for rounding."
+        ),
     ] = None,
     debugging: Debugging,
 ) -> None:
     """Say what differs between two results."""
     from kshell.cli.terminal import print_differences
-    from kshell.result.compare import differences
+    from kshell.result.compare import ROUNDING, differences
     from kshell.result.result import Result
 
     if tolerance is not None and not tolerance >= 0.0:
         raise InputError(f"--tolerance {tolerance:g}: must not be negative")
-    found = differences(Result.load(first), Result.load(second))
+    rounding = ROUNDING if tolerance is None else min(ROUNDING, tolerance)
+    found = differences(Result.load(first), Result.load(second), rounding)
     print_differences(found, str(first), str(second))
     if tolerance is not None and found and found[0].relative > tolerance:
         raise typer.Exit(1)

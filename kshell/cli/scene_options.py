@@ -37,9 +37,22 @@ def scene_of(source: Path, plate: dict[str, Any], overrides: Sequence[str]) -> S
                 f"--{option} describes the plate or shell of a mesh file, but {source} is a scene file: use --set, "
                 "for example --set thickness=0.02"
             )
+        _require_once(overrides)
         return Scene.load(source, overrides)
     no_overrides(source, overrides)
     return _scene_of_options(source, given)
+
+
+def _require_once(overrides: Sequence[str]) -> None:
+    """Refuse two values for one key, of which the last would win without a word."""
+    seen: dict[str, str] = {}
+    for override in overrides:
+        key = override.partition("=")[0].strip()
+        if key in seen:
+            raise InputError(
+                f"--set {clipped(override)}: {key} is given twice, before with {clipped(seen[key])}: leave one out"
+            )
+        seen[key] = override
 
 
 def _scene_of_options(mesh: Path, given: dict[str, Any]) -> Scene:

@@ -160,7 +160,7 @@ def print_differences(found: Sequence[Difference], first: str, second: str) -> N
     """The largest differences of two results."""
     out = console()
     if not found:
-        out.print(f"no differences between {_escaped(first)} and {_escaped(second)}")
+        out.print(f"no differences but rounding between {_escaped(first)} and {_escaped(second)}")
         return
     rows = []
     for difference in found[:MOST_DIFFERENCES]:

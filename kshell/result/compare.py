@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 NUMBERS = ("probes", "extremes", "strain_energy", "external_work", "reactions", "eigen", "critical")
 # what is no answer: places, axes, and what every run has of its own
 SKIPPED = ("x", "at", "frame", "axis_1", "normal", "distance")
+ROUNDING = (
+    1e-9  # of a quantity, and of the largest of its kind, up to which differences are those of rounding
+)
 
 
 @dataclass(frozen=True)
@@ -28,16 +31,25 @@ class Difference:
     first, second : number, list or text; None where it is missing
     relative : float
         Largest difference of a component over the largest size; infinite where one is missing.
+    size : float, optional
+        That size, of numbers.
     """
 
     what: str
     first: Any
     second: Any
     relative: float
+    size: float | None = None
 
 
-def differences(a: Result, b: Result) -> list[Difference]:
-    """All quantities that differ, the largest difference first."""
+def differences(a: Result, b: Result, rounding: float = ROUNDING) -> list[Difference]:
+    """All quantities that differ, the largest difference first.
+
+    Parameters
+    ----------
+    rounding : float
+        Of a quantity, and of the largest one of its kind (all moments of reactions, say): up to there it is the same.
+    """
     first, second = a.to_dict(), b.to_dict()
     out = list(_of_documents(first, second))
     for name in {**first.get("cases", {}), **second.get("cases", {})}:
@@ -48,7 +60,24 @@ def differences(a: Result, b: Result) -> list[Difference]:
             out += _of_documents(one, other, f"case {name}: ")
     if np.array_equal(a.mesh.triangles, b.mesh.triangles) and np.array_equal(a.mesh.points, b.mesh.points):
         out += _of_fields(a, b)
-    return sorted((d for d in out if d.relative > 0.0), key=lambda d: -d.relative)
+    largest: dict[str, float] = {}
+    for found in out:
+        if found.size is not None:
+            kind = _kind(found.what)
+            largest[kind] = max(largest.get(kind, 0.0), found.size)
+
+    def differs(d: Difference) -> bool:
+        if d.size is None:
+            return d.relative > 0.0
+        return d.relative > rounding and d.relative * d.size > rounding * largest[_kind(d.what)]
+
+    return sorted(filter(differs, out), key=lambda d: -d.relative)
+
+
+def _kind(what: str) -> str:
+    """What quantities of one unit have in common: the first and the last word of "reactions.left.moment"."""
+    parts = what.rpartition(": ")[2].split(".")
+    return f"{parts[0]}.{parts[-1]}"
 
 
 def _there(value: Any) -> str | None:
@@ -73,7 +102,7 @@ def _compared(what: str, a: Any, b: Any) -> Iterator[Difference]:
             if key not in SKIPPED:
                 yield from _compared(f"{what}.{key}", a.get(key), b.get(key))
     elif _numeric(a) and _numeric(b) and np.shape(a) == np.shape(b):
-        yield Difference(what, a, b, relative(a, b))
+        yield Difference(what, a, b, relative(a, b), _size(a, b))
     elif isinstance(a, list) and isinstance(b, list):
         for number in range(max(len(a), len(b))):
             pair = [part[number] if number < len(part) else None for part in (a, b)]
@@ -88,10 +117,15 @@ def _numeric(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
+def _size(a: Any, b: Any) -> float:
+    """Of the largest component of two quantities."""
+    return float(max(np.abs(np.asarray(part, dtype=float)).max(initial=0.0) for part in (a, b)))
+
+
 def relative(a: Any, b: Any) -> float:
     """Largest difference of components over the largest size."""
     x, y = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-    size = max(np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0))
+    size = _size(x, y)
     return float(np.abs(x - y).max(initial=0.0) / size) if size > 0.0 else 0.0
 
 
@@ -101,4 +135,5 @@ def _of_fields(a: Result, b: Result) -> Iterator[Difference]:
         if name in b.fields and a.fields[name].shape == b.fields[name].shape:
             one, other = a.fields[name], b.fields[name]
             largest = [float(np.abs(values).max(initial=0.0)) for values in (one, other)]
-            yield Difference(f"field {name}, largest", largest[0], largest[1], relative(one, other))
+            share, size = relative(one, other), max(largest)
+            yield Difference(f"field {name}, largest", largest[0], largest[1], share, size)

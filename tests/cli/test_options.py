@@ -108,3 +108,9 @@ def test_the_schema_is_printed(capsys):
     assert run(["explain", "--schema"]) == 0
     assert json.loads(capsys.readouterr().out)["properties"]["load"]["type"] == "array"
     assert run(["explain", "--schema", "load"]) == 2
+
+
+def test_one_key_is_set_once(capsys):
+    code = run(["check", "meshes/plate.toml", "--set", "thickness=0.01", "--set", "thickness=0.02"])
+    assert code == 2
+    assert "thickness is given twice, before with thickness=0.01" in " ".join(capsys.readouterr().err.split())

@@ -50,6 +50,12 @@ def test_differences():
     assert found["strain_energy"].relative == pytest.approx(1 - 1 / 1.01**2, rel=1e-6)
     assert found["field displacement, largest"].relative == pytest.approx(1 - 1 / 1.01, rel=1e-6)
     assert differences(a, a) == []
+    b.probes["centre"]["u"] = a.probes["centre"]["u"] * (1 + 1e-12)
+    a.reactions["rounding"] = {"force": [0.0, 0.0, 1e-13], "moment": [0.0, 0.0, 0.0]}
+    b.reactions["rounding"] = {"force": [0.0, 0.0, -1e-13], "moment": [0.0, 0.0, 0.0]}
+    found = {d.what for d in differences(a, b)}
+    assert not found & {"probes.centre.u", "reactions.rounding.force"}
+    assert {"probes.centre.u", "reactions.rounding.force"} <= {d.what for d in differences(a, b, 0.0)}
     c = ks.solve(plate(cases=(), combinations=(), probes={}), element="morley")
     assert {"model", "probes.centre"} <= {d.what for d in differences(a, c)}
 
