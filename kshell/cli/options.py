@@ -146,7 +146,8 @@ class Files:
         """Write all that was asked for; the paths."""
         folder, written = self.folder(source), []
         if folder is not None:
-            written += result.save(folder, plots=self.plot, report=self.report, tables=self.tables)
+            more = {"xdmf": True} if getattr(self, "xdmf", False) else {}
+            written += result.save(folder, plots=self.plot, report=self.report, tables=self.tables, **more)
         return written + _write_json(result, self.json)
 
     def save_last(self, state: Any, source: Path) -> None:
@@ -173,6 +174,9 @@ class PathFiles(Files):
         "Write the result, a .vtu per step (path.pvd), the load-deflection picture, and the steps themselves "
         "as they converge (steps/)."
     ) = None
+    xdmf: Annotated[
+        bool, typer.Option("--xdmf", help="Write all states into series.xdmf and series.h5, not a .vtu each.")
+    ] = False
 
 
 @dataclass(eq=False, repr=False, match_args=False)  # help waits for what is generated
@@ -183,6 +187,9 @@ class MotionFiles(Files):
         "Write the result, history.csv, a .vtu per state (series.pvd), the picture of the history, and the "
         "states themselves as they come (steps/)."
     ) = None
+    xdmf: Annotated[
+        bool, typer.Option("--xdmf", help="Write all states into series.xdmf and series.h5, not a .vtu each.")
+    ] = False
 
 
 def _speaks() -> bool:

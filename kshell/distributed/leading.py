@@ -26,7 +26,9 @@ class Told(Result):
     Its `save` writes the piece that the first process gives this one.
     """
 
-    def save(self, folder: Any, plots: bool = False, report: bool = False, tables: bool = False) -> list[str]:
+    def save(
+        self, folder: Any, plots: bool = False, report: bool = False, tables: bool = False, xdmf: bool = False
+    ) -> list[str]:
         assert self.writer is not None
         return self.writer(self, folder, {})
 

@@ -30,7 +30,7 @@ from kshell.result.document import document
 from kshell.result.extremes import find_extremes
 from kshell.result.page import page
 from kshell.result.rows import Rows
-from kshell.result.saving import save, write_together
+from kshell.result.saving import in_one_file, save, write_together
 from kshell.result.tables import table_files, tables
 from kshell.scene.line import Line
 from kshell.values.naming import listing, suggestion
@@ -378,6 +378,7 @@ class Result:
         plots: bool = False,
         report: bool = False,
         tables: bool = False,
+        xdmf: bool = False,
     ) -> list[str]:
         """Write result.json and result.vtu, and pictures if asked, all of them or none.
 
@@ -391,6 +392,8 @@ class Result:
             Also write report.html, see `report`.
         tables : bool
             Also write probes.csv, reactions.csv and the other tables.
+        xdmf : bool
+            Write the states of a path or motion as series.xdmf and series.h5 instead of a .vtu file each.
 
         Returns
         -------
@@ -399,7 +402,7 @@ class Result:
         Raises
         ------
         InputError
-            If the folder cannot be written.
+            If the folder cannot be written, or h5py is not installed for xdmf.
         SolveError
             If a value is NaN or infinite.
         """
@@ -408,6 +411,8 @@ class Result:
             files["report.html"] = doors.report_writer(self)
         if tables:
             files |= table_files(self)
+        if xdmf:
+            files |= in_one_file(self)
         return save(self, folder, files) if self.writer is None else self.writer(self, folder, files)
 
     def report(self, file: str | os.PathLike[str]) -> list[str]:

@@ -20,6 +20,7 @@ import numpy as np
 from kshell.errors import InputError, clipped
 from kshell.mesh.write import write_msh
 from kshell.result.vtu import write_motion, write_vtu
+from kshell.result.xdmf import require_hdf5, write_series
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
@@ -32,11 +33,12 @@ Writer = Callable[[Path], object]  # writes one file at the path
 
 def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, Writer]) -> list[str]:
     """Write result.json, result.vtu and the given pictures. See `Result.save`."""
-    return write_together(Path(folder), writers_of(result) | dict(pictures))
+    writers = writers_of(result, states=not any(name.endswith(".xdmf") for name in pictures))
+    return write_together(Path(folder), writers | dict(pictures))
 
 
-def writers_of(result: Result) -> dict[str, Writer]:
-    """What writes the files of a result, by their names."""
+def writers_of(result: Result, states: bool = True) -> dict[str, Writer]:
+    """What writes the files of a result, by their names; states of a path or motion one by one, or not at all."""
     text = as_json(result)  # a NaN is found before anything is touched
     writers: dict[str, Writer] = {
         "result.json": lambda path: path.write_text(text, encoding="utf-8"),
@@ -45,16 +47,16 @@ def writers_of(result: Result) -> dict[str, Writer]:
     if result.last_mesh is not None:
         last = result.last_mesh
         writers["mesh.msh"] = lambda path: write_msh(last, path)
-    if result.analysis == "path":
+    if result.analysis == "path" and states:
         writers |= _series(result, "path.pvd")
     for name, case in result.cases.items():
-        writers[f"{case_stem(name)}.vtu"] = partial(write_vtu, result=case)
-        if case.analysis == "path" and name != result.case:
+        writers[f"{case_stem(name)}.vtu"] = partial(write_vtu, result=case, case=name)
+        if case.analysis == "path" and name != result.case and states:
             writers |= _series(case, "path.pvd", f"{case_stem(name)}-")
     if result.cases:
-        writers["envelope.vtu"] = partial(write_vtu, result=result.envelope.as_result())
+        writers["envelope.vtu"] = partial(write_vtu, result=result.envelope.as_result(), case="envelope")
     if result.history:
-        writers |= _series(result, "series.pvd")
+        writers |= _series(result, "series.pvd") if states else {}
         writers["history.csv"] = lambda path: _write_history(path, result.history)
     if result.eigen:
         writers |= _animated(result)
@@ -76,11 +78,31 @@ def _series(result: Result, collection: str, stem: str = "") -> dict[str, Writer
     names = [f"{stem}step-{number:04d}.vtu" for number in range(len(result.series))]
     text = _collection([(factor, name) for name, (factor, _) in zip(names, result.series, strict=True)])
     writers: dict[str, Writer] = {
-        name: lambda path, make=make: write_vtu(path, make())  # type: ignore[misc]
-        for name, (_, make) in zip(names, result.series, strict=True)
+        name: lambda path, make=make, time=time: write_vtu(path, make(), time)  # type: ignore[misc]
+        for name, (time, make) in zip(names, result.series, strict=True)
     }
     writers[f"{stem}{collection}"] = lambda path: path.write_text(text, encoding="utf-8")
     return writers
+
+
+def in_one_file(result: Result) -> dict[str, Writer]:
+    """The states of a result, and of each of its cases, as XDMF with HDF5: two files each.
+
+    Raises
+    ------
+    InputError
+        If h5py is not installed, or there are no states.
+    """
+    require_hdf5()
+    out: dict[str, Writer] = {}
+    for name, one in (result.cases or {"": result}).items():
+        if one.series:
+            stem = f"{case_stem(name)}-series" if name else "series"
+            out[f"{stem}.xdmf"] = partial(write_series, states=one.series, title=one.title)
+            out[f"{stem}.h5"] = lambda path: None  # written with the file before it
+    if not out:
+        raise InputError("xdmf: this result has no states of a path or motion, which such a file is for")
+    return out
 
 
 def _write_history(path: Path, history: Mapping[str, Any]) -> None:

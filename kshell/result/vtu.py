@@ -1,8 +1,8 @@
 """Results as .vtu files for ParaView.
 
 Point data have the names of `Result.fields`, columns have names too; tensors in the plane have the columns xx yy xy.
-Title, case, analysis, model and frame stand in a comment in the head (as field data, which ParaView would show, readers
-such as meshio stumble over texts). Every group
+Title, units, case, analysis, model, frame and version are the names of field data, which ParaView lists ("case: snow"),
+and stand in a comment in the head; the time or load factor of a state is the field TimeValue. Every group
 is an array "group NAME" of zeros and ones, of points for curve and point groups, of cells for surfaces; of a curve
 "edges of group NAME" tells which edges of each triangle are in it: 1 + 2 + 4 for those of its corners 01, 12 and 02.
 Where sheets or sections meet there is a point for each row of the fields, at the same place; `vertex` and `patch` tell
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from kshell.errors import SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.result.vtu_file import Unstructured, write_triangles
+from kshell.version import __version__
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
@@ -51,31 +52,37 @@ COLUMNS = {
 }
 
 
-def head(result: Result) -> str:
-    """What the values are of, in words."""
+def facts(result: Result, case: str = "") -> list[str]:
+    """What the values are of, in words: "title: Steel plate"."""
     model = result.model
     what = f"{model.get('kind', '')} {model.get('element', '')} of order {model.get('order', '')}"
     parts = {
         "title": result.title,
         "units": result.units,
-        "case": result.case or "",
+        "case": case or result.case or "",
         "analysis": result.analysis,
         "model": what.strip(),
         "frame of tensors": result.frame,
         "values at vertices": result.nodal_values,
+        "kshell": __version__,
     }
-    return "; ".join(f"{key}: {value}" for key, value in parts.items() if value)
+    return [f"{key}: {value}" for key, value in parts.items() if value]
 
 
-def write_vtu(path: Path, result: Result) -> None:
-    """Write the mesh, fields and groups of a result.
+def head(result: Result, case: str = "") -> str:
+    """All of that in one line."""
+    return "; ".join(facts(result, case))
+
+
+def write_vtu(path: Path, result: Result, time: float | None = None, case: str = "") -> None:
+    """Write the mesh, fields and groups of a result, of a state with its time or load factor.
 
     Raises
     ------
     SolveError
         If a field has a value that is NaN or infinite.
     """
-    write_triangles(path, unstructured(result), head(result))
+    write_triangles(path, unstructured(result), head(result, case), facts(result, case), time)
 
 
 def unstructured(result: Result) -> Unstructured:

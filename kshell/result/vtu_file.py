@@ -49,8 +49,23 @@ class Unstructured(NamedTuple):
     components: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
-def write_triangles(path: Path, mesh: Unstructured, comment: str = "") -> None:
-    """Write a mesh, with words after the first line."""
+def write_triangles(
+    path: Path,
+    mesh: Unstructured,
+    comment: str = "",
+    facts: Sequence[str] = (),
+    time: float | None = None,
+) -> None:
+    """Write a mesh, with words after the first line.
+
+    Parameters
+    ----------
+    facts : sequence of str
+        Names of field data, which ParaView lists: an array of one zero each, as readers such as meshio stumble over
+        arrays of text.
+    time : float, optional
+        Of the state, for ParaView.
+    """
     points, cells, point_data, cell_data, components = mesh
     order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
     count, nodes = cells.shape
@@ -67,7 +82,15 @@ def write_triangles(path: Path, mesh: Unstructured, comment: str = "") -> None:
             'compressor="vtkZLibDataCompressor">'
         )
         say(f"<!-- kshell {__version__} -->")
-        say(f'<UnstructuredGrid>\n<Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">')
+        say("<UnstructuredGrid>")
+        if facts or time is not None:
+            say("<FieldData>")
+            for fact in dict.fromkeys(facts):
+                _array(file, fact, np.zeros(1, dtype=np.uint8), single=True)
+            if time is not None:
+                _array(file, "TimeValue", np.array([time]), single=True)
+            say("</FieldData>")
+        say(f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{count}">')
         parts: list[tuple[str, Mapping[str, Array]]] = [
             ("Points", {"Points": points}),
             (
@@ -89,12 +112,16 @@ def write_triangles(path: Path, mesh: Unstructured, comment: str = "") -> None:
         say("</Piece>\n</UnstructuredGrid>\n</VTKFile>")
 
 
-def _array(file: BinaryIO, name: str, values: Array, columns: Sequence[str] = ()) -> None:
-    """One array: its kind, then sizes and blocks in base64."""
+def _array(
+    file: BinaryIO, name: str, values: Array, columns: Sequence[str] = (), single: bool = False
+) -> None:
+    """One array: its kind, then sizes and blocks in base64; of field data its length, too."""
     kind = {"f": "Float", "i": "Int", "u": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)
     components = f' NumberOfComponents="{values.shape[1]}"' if values.ndim == 2 else ""
     if values.ndim == 2 and len(columns) == values.shape[1]:
         components += "".join(f' ComponentName{k}="{_attribute(column)}"' for k, column in enumerate(columns))
+    if single:
+        components += f' NumberOfTuples="{len(values)}"'
     label = _attribute(name)
     file.write(f'<DataArray type="{kind}" Name="{label}"{components} format="binary">\n'.encode())
     data = values.tobytes()
