@@ -24,6 +24,7 @@ from kshell.analysis.shear import account_for_shear_of_modes
 from kshell.equilibrium.model import Model
 from kshell.equilibrium.rigid_modes import RigidModes
 from kshell.errors import InputError
+from kshell.mesh.words import place
 from kshell.result.result import Result
 from kshell.solvers.eigen import in_range, smallest
 from kshell.solvers.pencil import Pencil, Spectrum
@@ -33,6 +34,8 @@ Floats = NDArray[np.float64]
 COUNT = 6
 # so many modes in a range are refused
 MOST = 500
+# energy of a mode, against that of its unknowns one by one, that is rounding squared; thinnest shells have 1e-15
+MECHANISM = 1e-18
 # Ritz values beyond those asked for, from which sharp bounds choose their trial functions
 TRIALS = 7
 
@@ -99,7 +102,25 @@ def _stage(run: Run, model: Model) -> Stage:
         pencil = Pencil(stiffness, mass, rigid.vectors, order=cache(model.elimination))
         if state is None:
             pencil = pencil._replace(energy=model.energies, product=_columns(model))
-        return Stage(run, model, pencil, solve_pencil(pencil, run), state)
+        found = solve_pencil(pencil, run)
+        if state is None:
+            _require_stiff(model, pencil, found)
+        return Stage(run, model, pencil, found, state)
+
+
+def _require_stiff(model: Model, pencil: Pencil, found: Spectrum) -> None:
+    """Refuse a mechanism, which swings with no frequency: its energy through strains is rounding squared."""
+    if not len(found.values):
+        return
+    x = found.vectors[:, 0]
+    if found.values[0] > MECHANISM * float(x @ (pencil.stiffness.diagonal() * x)):
+        return
+    moved = np.linalg.norm(model.motion_fields(model.expand(x))["displacement"], axis=1)
+    at = place(model.structure.space.points[int(np.argmax(moved[: len(model.structure.space.points)]))])
+    raise InputError(
+        f"the {model.kind} can move freely, and not as a rigid body (it moves most near {at}): a mechanism has no "
+        "frequency; look for hinges in a row and parts that hang together at a vertex, or add supports there"
+    )
 
 
 def solve_pencil(pencil: Pencil, run: Run) -> Spectrum:
@@ -137,6 +158,9 @@ def _columns(model: Model) -> Any:
 
 def _warnings(run: Run, values: Floats) -> list[str]:
     out = []
+    if run.options.range is not None and not len(values):
+        low, high = run.options.range
+        out.append(f"range: no mode lies between {low:g} and {high:g}")
     if np.any(values < 0):
         out.append(
             f"{int((values < 0).sum())} modes have no frequency (value < 0): under its loads the structure is beyond "

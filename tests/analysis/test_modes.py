@@ -1,5 +1,7 @@
 """Natural frequencies of scenes: known values, intervals around them, rigid motions, prestress, and what is refused."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from kshell.solvers.eigen import smallest
 from kshell.solvers.pencil import Pencil
 from kshell.verify.cases import find
 from kshell.verify.cases.meshes import ellipse
+from tests.shell.shell_scenes import cantilever_of_two
 
 NU = 0.3
 SIDES = ("x0", "x1", "y0", "y1")
@@ -237,6 +240,19 @@ def test_pressure_on_a_flat_plate_is_no_prestress():
     assert values(result)[0] == pytest.approx(CLAMPED[0], rel=1e-4)
 
 
+def flap():
+    """A strip clamped at one end, with a hinge across its middle."""
+    material = ks.Isotropic(E=1e6, nu=NU, density=1.0)
+    held = cantilever_of_two(supports=[ks.Clamped("a"), ks.Hinge("b")])
+    return dataclasses.replace(held, material=material, loads=[])
+
+
+def test_a_range_without_modes_says_so():
+    result = ks.modes(square("CCCC", n=4), range=(0, 1))
+    assert result.eigen == []
+    assert "range: no mode lies between 0 and 1" in result.warnings
+
+
 @pytest.mark.parametrize(
     ("scene", "options", "message"),
     [
@@ -247,6 +263,8 @@ def test_pressure_on_a_flat_plate_is_no_prestress():
         (square("CCCC"), {"count": 0}, "must be a whole number > 0"),
         (square("CCCC"), {"range": (3, 1)}, "two frequencies that rise"),
         (square("CCCC"), {"prestress": True}, "prestress = true needs loads"),
+        (flap(), {"order": 1}, r"can move freely, and not as a rigid body \(it moves most near \(2, "),
+        (flap(), {"order": 2, "count": 2}, "a mechanism has no frequency"),
         (square("FFFF"), {"prestress": True}, "not held|needs loads"),
     ],
 )
