@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.analysis.plate_choice import has_curved_edges
 from kshell.analysis.run import Run
 from kshell.error.geometry_share import (
     curvature_of_triangles,
@@ -23,7 +24,6 @@ from kshell.mesh.insert import with_vertices
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect, bisect_around
 from kshell.plate.corner_exponents import corner_exponents
-from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 
@@ -43,7 +43,7 @@ def plate_start(
     Those are of Argyris elements on straight edges. A mesh with curved edges stays as it is.
     """
     problem = model.problem
-    if Domain(problem.mesh, True, problem.domain.bent).curves.curved.any() or mesh.midpoints is not None:
+    if has_curved_edges(model, mesh):
         return mesh, False
     pair = model.element == "argyris"
     if pair:

@@ -72,6 +72,7 @@ class Refinement:
     frozen: float = 0.0  # share of a shape that refining adds nothing to
     cut: float = 0.0  # the same of finer meshes, if it is more
     quartics: bool = False  # in the place of cubics
+    why: tuple[str, ...] = ()  # the element and the order
 
 
 def next_mesh(loop: Refinement, level: Level, tolerance: float) -> Mesh:

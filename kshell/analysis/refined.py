@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kshell.analysis.first_mesh import order_of_moments, plate_start, shell_start
 from kshell.analysis.levels import SHARE_JUMPS, Level, Refinement, blocked, next_mesh, share_of_shape
+from kshell.analysis.plate_choice import chosen
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
@@ -73,6 +74,7 @@ def analyse(model: Model, run: Run) -> Result:
     if not (isinstance(model, PlateModel | HHJModel) and run.options.large_deflection is False):
         first = answer_once(model, run)  # which decides between plate and shell, small and large deflections
         model = first.model
+    model, why = chosen(model, run)
     large = first is not None and bool(first.result.model["large_deflection"])
     quartics = (
         isinstance(model, KoiterModel)
@@ -86,7 +88,7 @@ def analyse(model: Model, run: Run) -> Result:
         held["order"] = 4
     run = run.with_options(**held, large_deflection=large)
     mesh = longest_first(model.structure.parameters)
-    loop = Refinement(run, names, False, begin, Refiner(run.scene, model), quartics=quartics)
+    loop = Refinement(run, names, False, begin, Refiner(run.scene, model), quartics=quartics, why=why)
     followed = loop.refiner.followed
     if isinstance(model, PlateModel | HHJModel):
         mesh, loop.pair = plate_start(model, mesh, names, run)
@@ -290,6 +292,11 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
             *dict.fromkeys(
                 [*(w for w in first.result.warnings if "times the thickness" in w), *result.warnings]
             )
+        ]
+    if loop.why:
+        reasons[:] = [
+            *(words for words in reasons if not words.startswith(("element ", "order "))),
+            *loop.why,
         ]
     if loop.quartics:
         reasons[:] = [*(words for words in reasons if not words.startswith("order ")), QUARTICS]

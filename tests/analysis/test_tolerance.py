@@ -320,7 +320,8 @@ def test_named_elements_follow_curved_edges(element: str, tolerance: float) -> N
     scene = plate(ellipse(4, 1), ks.Clamped("edge"), centre=(0.0, 0, 0))
     result = ks.solve(scene, tolerance=tolerance, element=element)
     assert result.error["estimate"] <= tolerance
-    assert abs(result.probes["centre"]["u"][2] / ellipse_centre() - 1.0) <= result.error["estimate"]
+    off = abs(result.probes["centre"]["u"][2] / ellipse_centre() - 1.0)
+    assert off <= result.error["estimate"] + 1e-11
     outer = result.mesh.points[np.unique(result.mesh.edges[result.mesh.groups["edge"].members])]
     assert np.hypot(outer[:, 0] / 1.5, outer[:, 1]) == pytest.approx(1.0, abs=1e-3)
 
