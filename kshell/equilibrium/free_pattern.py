@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.sparsity import Sparsity, group_pairs
+from kshell.solvers import kernels
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -113,6 +114,11 @@ class FreePattern:
         self._base = (start[:-1] - within).astype(index)
         self.indptr: Ints = start.astype(index)
         self.indices: Ints = np.empty(self.entries, dtype=np.int32)
+        if kernels.compiled is not None:
+            kernels.compiled.columns(
+                np.append(own, len(low)), high.astype(np.int32), counts, first, self.indices
+            )
+            return
         for a in range(int(counts.max(initial=0))):
             for b in range(int(counts.max(initial=0))):
                 both = np.flatnonzero((counts[low] > a) & (counts[high] > b) & ((low != high) | (b >= a)))
@@ -123,6 +129,19 @@ class FreePattern:
         """Add symmetric element matrices (element, n, n) of all unknowns to the entries and one more (entries + 1,)."""
         if self._combine is not None:
             matrices = self._combined(elements, matrices)
+        if kernels.compiled is not None and self.indptr.dtype == np.int32:
+            kernels.compiled.add_lower(
+                data,
+                kernels.contiguous(self._unknowns[elements], np.int32),
+                self._number_of_slot,
+                self._base,
+                self._within,
+                self._left,
+                self._pair[elements],
+                kernels.contiguous(self._member, np.int64),
+                np.ascontiguousarray(matrices),
+            )
+            return
         number = self._number_of_slot[self._unknowns[elements]]
         base, within = self._base[number], self._within[number]
         left = self._left[self._pair[elements]]

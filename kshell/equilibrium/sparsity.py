@@ -14,6 +14,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.solvers import kernels
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
@@ -137,6 +139,8 @@ class Sparsity:
 
 def group_pairs(groups: NDArray, count: int) -> tuple[Ints, Ints, Ints]:
     """Coupled pairs of groups, row <= column, sorted, and (element, g, g) the number of each pair of an element."""
+    if kernels.compiled is not None:
+        return kernels.pairs_of_groups(groups, count)
     low = np.minimum(groups[:, :, None], groups[:, None, :])
     high = np.maximum(groups[:, :, None], groups[:, None, :])
     a, b = np.tril_indices(groups.shape[1])

@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.solvers import kernels
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
@@ -99,6 +101,16 @@ def _refined(bounds: Ints, middle: Ints) -> Ints:
 
 def _halved(order: Ints, beyond: NDArray[np.bool_], bounds: Ints, middle: Ints) -> Ints:
     """The order with the elements beyond the cut of each group moved to its end, otherwise unchanged."""
+    if kernels.compiled is not None:
+        moved = np.empty_like(order)
+        kernels.compiled.halved(
+            order,
+            beyond.view(np.uint8),
+            kernels.contiguous(bounds, np.int64),
+            kernels.contiguous(middle, np.int64),
+            moved,
+        )
+        return moved
     number = np.repeat(np.arange(len(middle)), np.diff(bounds))
     later = beyond[order]
     before = np.concatenate([[0], np.cumsum(later, dtype=np.int32)])
@@ -112,28 +124,51 @@ def _cuts(centres: Floats, orders: list[Ints], bounds: Ints, owners: Ints, start
     """Place at which each part is cut, and the axis along which; small parts are not cut: their end, and axis 0."""
     begin, sizes = bounds[:-1], np.diff(bounds)
     elements, count = int(bounds[-1]), len(begin)
-    number = np.repeat(np.arange(count), sizes)
     extents = [centres[o[bounds[1:] - 1], axis] - centres[o[begin], axis] for axis, o in enumerate(orders)]
     rank = np.argsort(np.argsort(-np.stack(extents), axis=0, kind="stable"), axis=0, kind="stable")
+    best, middle, along = np.full(count, np.inf), bounds[1:].copy(), np.zeros(count, dtype=np.int64)
+    position = np.empty(elements, dtype=np.int32)
+    across = _across if kernels.compiled is None else _across_compiled
+    for axis, order in enumerate(orders):
+        position[order] = np.arange(elements)
+        least, first = across(position, bounds, owners, starts)
+        better = (least < best) & (rank[axis] < AXES_TRIED) & (sizes > SMALLEST_PART)
+        best[better], middle[better], along[better] = least[better], first[better] + 1, axis
+    return middle, along
+
+
+def _across(position: Ints, bounds: Ints, owners: Ints, starts: Ints) -> tuple[Floats, Ints]:
+    """The least cost (part,) of a cut across the axis along which elements have a position, and the last before it."""
+    begin, sizes = bounds[:-1], np.diff(bounds)
+    elements = len(position)
+    number = np.repeat(np.arange(len(begin)), sizes)
     # a cut at place p + 1 leaves p - begin + 1 elements before it
     off = np.abs((np.arange(elements) - begin[number] + 1) / sizes[number] - 0.5)
     allowed = off <= np.maximum(0.5 - SMALLEST_SHARE, 0.51 / sizes)[number]
     allowed[bounds[1:] - 1] = False
-    best, middle, along = np.full(count, np.inf), bounds[1:].copy(), np.zeros(count, dtype=np.int64)
-    position = np.empty(elements, dtype=np.int32)
-    for axis, order in enumerate(orders):
-        position[order] = np.arange(elements)
-        places = position[owners]
-        opens = (
-            np.bincount(np.minimum.reduceat(places, starts[:-1]), minlength=elements) if len(owners) else 0
-        )
-        ends = np.bincount(np.maximum.reduceat(places, starts[:-1]), minlength=elements) if len(owners) else 0
-        straddling = np.cumsum(np.broadcast_to(opens - ends, elements))
-        cost = np.where(allowed, straddling * (1.0 + UNEVEN * off), np.inf)
-        least = np.minimum.reduceat(cost, begin)
-        hit = np.flatnonzero(cost == least[number])
-        first = np.full(count, elements)
-        np.minimum.at(first, number[hit], hit)
-        better = (least < best) & (rank[axis] < AXES_TRIED) & (sizes > SMALLEST_PART)
-        best[better], middle[better], along[better] = least[better], first[better] + 1, axis
-    return middle, along
+    places = position[owners]
+    opens = np.bincount(np.minimum.reduceat(places, starts[:-1]), minlength=elements) if len(owners) else 0
+    ends = np.bincount(np.maximum.reduceat(places, starts[:-1]), minlength=elements) if len(owners) else 0
+    straddling = np.cumsum(np.broadcast_to(opens - ends, elements))
+    cost = np.where(allowed, straddling * (1.0 + UNEVEN * off), np.inf)
+    least = np.minimum.reduceat(cost, begin)
+    hit = np.flatnonzero(cost == least[number])
+    first = np.full(len(begin), elements)
+    np.minimum.at(first, number[hit], hit)
+    return least, first
+
+
+def _across_compiled(position: Ints, bounds: Ints, owners: Ints, starts: Ints) -> tuple[Floats, Ints]:
+    least, first = np.empty(len(bounds) - 1), np.empty(len(bounds) - 1, dtype=np.int64)
+    kernels.compiled.cut_places(
+        position,
+        owners,
+        kernels.contiguous(starts, np.int64),
+        kernels.contiguous(bounds, np.int64),
+        0.5 - SMALLEST_SHARE,
+        UNEVEN,
+        np.zeros(len(position), dtype=np.int64),
+        least,
+        first,
+    )
+    return least, first

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
+from kshell.solvers.kernels import which
+
 PACKAGES = ("kshell", "numpy", "scipy", "scikit-fem", "pyamg", "cvxopt", "rslab", "pypardiso")
 REPOSITORY = Path(__file__).parents[2]
 
@@ -19,6 +21,7 @@ def machine(packages: Sequence[str] = PACKAGES) -> dict[str, str]:
         "processor": f"{processor()}, {os.cpu_count()} cores",
         "system": f"{platform.system()} {platform.machine()}",
         "Python": platform.python_version(),
+        "loops": which(),
     }
     for name in packages:
         try:
