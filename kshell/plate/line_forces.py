@@ -25,7 +25,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu, spsolve
 
 from kshell.elements.along import ChainFunctions, chains, turns
 from kshell.elements.quadrature import interval_rule
@@ -134,6 +133,8 @@ class LineForces:
         b = self._v.coupled(rows, self._v.values(s), weights, s, len(mesh.points))
         at_vertices = r[layout.vertex_dofs(np.arange(len(mesh.points)))[:, 0]]
         inner = np.setdiff1d(rows, self.lines.ends)
+        from scipy.sparse.linalg import spsolve  # not loaded by what solves nothing
+
         v = np.asarray(spsolve(b[inner].tocsc(), at_vertices[inner])) if len(inner) else np.zeros(0)
         # the slope of an edge is along its tangent turned by -90 degrees, M is for the outward normal
         edges = self._m.edges
@@ -203,6 +204,8 @@ def _least(b: sp.csr_matrix, r: Floats, g: Floats, wanted: Floats) -> Floats:
     size = np.sqrt(np.asarray(b.multiply(b).sum(axis=0)).ravel())
     size[size == 0.0] = 1.0
     b, g = (b @ sp.diags(1.0 / size)).tocsr(), g / size
+    from scipy.sparse.linalg import splu
+
     factors = splu((b.T @ b + SOFT * sp.identity(b.shape[1])).tocsc())
     c = np.zeros(b.shape[1])
     for _ in range(ROUNDS):

@@ -24,7 +24,7 @@ Ints = NDArray[np.integer]
 Rule = tuple[Floats, Floats]  # barycentric coordinates (q, 3 or 2) and weights (q,) of sum 1
 
 DEGREE = 6  # of the rules of the elements, at least
-ROUGH = 1e-3  # of the load, from which it is said
+ROUGH = 3e-3  # of the load, from which it is said; less stands in the budget, and in the intervals, alone
 SMOOTH = 1e-9  # of the size of the load: differences that are left to rounding and to smooth loads
 MOST = 5_000  # triangles that are looked at together
 

@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import spsolve
 
 from kshell.elements.along import ChainFunctions
 from kshell.elements.jets import legendre
@@ -72,5 +71,7 @@ class HHJLineForces:
         r = self._residual[: numbering.slope_start]
         b = self._v.coupled(rows, tests, weights, s, len(r))
         inner = np.setdiff1d(rows, self._lines.ends)
+        from scipy.sparse.linalg import spsolve  # not loaded by what solves nothing
+
         v = np.asarray(spsolve(b[inner].tocsc(), r[inner])) if len(inner) else np.zeros(0)
         return v, np.asarray((r - b @ v)[self._lines.ends])

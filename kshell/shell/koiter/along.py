@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 
 from kshell.elements.along import ChainFunctions, chains, turns
 from kshell.elements.quadrature import interval_rule
@@ -89,6 +88,8 @@ def along_edges(
     b = functions.coupled(nodes[order], tests, speed[order] * w, s, surface.node_count)
     inner = np.setdiff1d(nodes, ends)
     coefficients = np.zeros((functions.count, 3))
+    from scipy.sparse.linalg import splu  # not loaded by what solves nothing
+
     if len(inner):
         coefficients = splu(b[inner].tocsc()).solve(nodal[inner])
     at_ends = (nodal - b @ coefficients)[ends]

@@ -129,7 +129,6 @@ CURVED = [
             ("annulus.GS.q.b0.5", "w_in", (2, 8), 6.5),
         )
     ),
-    Rate("ellipse.clamped.2", "argyris", "w_c", (4, 8), 6.2, order=2),
     Rate("disk.clamped.uniform", "morley", "w_c", (8, 32), 2),
     Rate("disk.ss.uniform", "morley", "w_c", (8, 32), 2),
     Rate("annulus.GS.q.b0.5", "morley", "w_in", (6, 24), 2),
