@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.plate_choice import has_curved_edges
+from kshell.analysis.refined_mesh import Refiner
 from kshell.analysis.run import Run
 from kshell.error.geometry_share import (
     curvature_of_triangles,
@@ -22,8 +23,9 @@ from kshell.error.premises import require_pair
 from kshell.errors import InputError
 from kshell.mesh.insert import with_vertices
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.refine import bisect, bisect_around
+from kshell.mesh.refine import bisect, bisect_around, cuttable
 from kshell.plate.corner_exponents import corner_exponents
+from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 
@@ -36,14 +38,22 @@ MOST_CUTS = 60
 
 
 def plate_start(
-    model: PlateModel | HHJModel, mesh: Mesh, names: Sequence[str], run: Run
+    model: PlateModel | HHJModel, mesh: Mesh, names: Sequence[str], run: Run, refiner: Refiner
 ) -> tuple[Mesh, bool]:
     """The first mesh of a plate, and whether guaranteed bounds can be had on it.
 
-    Those are of Argyris elements on straight edges. A mesh with curved edges stays as it is.
+    Those are of Argyris elements on straight edges. A mesh with curved edges is graded toward corners alone.
     """
     problem = model.problem
+    tolerance = float(run.options.tolerance)
     if has_curved_edges(model, mesh):
+        domain = Domain(problem.mesh, True, problem.domain.bent)
+        for vertex, exponent in corner_exponents(problem, domain).items():
+            for _ in range(halvings(exponent, tolerance)):
+                around = (mesh.triangles == vertex).any(axis=1)
+                if not cuttable(mesh)[around].all():
+                    break
+                mesh = refiner.refined(mesh, np.flatnonzero(around)).mesh
         return mesh, False
     pair = model.element == "argyris"
     if pair:
@@ -56,7 +66,6 @@ def plate_start(
     places = np.array([_in_space(p, mesh) for p in (*probes, *single)]).reshape(-1, 3)
     mesh, left = with_vertices(mesh, places)
     pair = pair and not any(number < len(probes) for number in left)
-    tolerance = float(run.options.tolerance)
     exponents = corner_exponents(problem)
     corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
     for place, exponent in zip(corners, exponents.values(), strict=True):

@@ -91,7 +91,7 @@ def analyse(model: Model, run: Run) -> Result:
     loop = Refinement(run, names, False, begin, Refiner(run.scene, model), quartics=quartics, why=why)
     followed = loop.refiner.followed
     if isinstance(model, PlateModel | HHJModel):
-        mesh, loop.pair = plate_start(model, mesh, names, run)
+        mesh, loop.pair = plate_start(model, mesh, names, run, loop.refiner)
     elif isinstance(model, KoiterModel):
         assert first is not None
         mesh = shell_start(run, mesh, _membrane(model, first))

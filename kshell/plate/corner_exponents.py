@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.quadrature import interval_rule
+from kshell.plate.domain import Domain
 from kshell.plate.problem import PlateProblem
 
 Floats = NDArray[np.float64]
@@ -70,10 +71,13 @@ class Star:
     closed: bool
 
 
-def corner_exponents(problem: PlateProblem) -> dict[int, float]:
-    """Exponents lambda < 2 of the deflection by vertex, of straight edges: their real parts where they are complex."""
+def corner_exponents(problem: PlateProblem, domain: Domain | None = None) -> dict[int, float]:
+    """Exponents lambda < 2 of the deflection by vertex: their real parts where they are complex.
+
+    Edges that are curved in the domain, that of the problem if absent, leave along their tangents.
+    """
     mesh = problem.mesh
-    lines = _Lines(problem)
+    lines = _Lines(problem, problem.domain if domain is None else domain)
     out: dict[int, float] = {}
     for vertex in lines.corners().tolist():
         triangles = np.flatnonzero((mesh.triangles == vertex).any(axis=1))
@@ -94,8 +98,9 @@ class _Lines:
         Stiffnesses, -1 where triangles are held whole.
     """
 
-    def __init__(self, problem: PlateProblem) -> None:
+    def __init__(self, problem: PlateProblem, domain: Domain) -> None:
         mesh = self.mesh = problem.mesh
+        self._domain = domain
         self.held, self.turned = (np.zeros(len(mesh.edges), dtype=bool) for _ in range(2))
         self.kind = _kinds(problem)
         for group in problem.supports.held:
@@ -116,19 +121,24 @@ class _Lines:
         """Vertices where such edges end, branch, turn or change."""
         mesh, edges = self.mesh, np.flatnonzero(self._special)
         ends = mesh.edges[edges].astype(np.int64)
-        along = (mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]])[:, :2]
-        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        along = self._domain.tangents(edges) * np.array([1.0, -1.0])[:, None]
         _, code = np.unique(self._alike[edges], axis=0, return_inverse=True)
         count = np.zeros(len(mesh.points), dtype=np.int64)
         total = np.zeros((len(mesh.points), 2))
         low, high = np.full(len(mesh.points), len(edges)), np.full(len(mesh.points), -1)
-        for end, sign in ((0, 1.0), (1, -1.0)):
+        for end in range(2):
             np.add.at(count, ends[:, end], 1)
-            np.add.at(total, ends[:, end], sign * along)
+            np.add.at(total, ends[:, end], along[:, end])
             np.minimum.at(low, ends[:, end], code.ravel())
             np.maximum.at(high, ends[:, end], code.ravel())
         straight = (count == 2) & (np.linalg.norm(total, axis=1) < STRAIGHT) & (low == high)
         return np.flatnonzero((count > 0) & ~straight)
+
+    def outgoing(self, vertex: int, edges: NDArray[np.integer]) -> Floats:
+        """(n, 2) directions in which edges leave a vertex."""
+        first = self.mesh.edges[edges, 0] == vertex
+        tangents = self._domain.tangents(edges.astype(np.int64))
+        return np.where(first[:, None], tangents[:, 0], -tangents[:, 1])
 
 
 def _kinds(problem: PlateProblem) -> Ints:
@@ -180,7 +190,7 @@ def _star(
         rays, sector = rays[shift:-1] + rays[: shift + 1], np.roll(sector, -shift)
         edges, apart = (np.append(np.roll(x[:-1], -shift), x[shift]) for x in (edges, apart))
         apart[[0, -1]] = True
-    along = mesh.points[rays, :2] - mesh.points[vertex, :2]
+    along = lines.outgoing(vertex, edges)
     polar = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
     cut = np.flatnonzero(apart)
     place = np.broadcast_to(mesh.points[vertex, :2], (len(sector), 1, 2))

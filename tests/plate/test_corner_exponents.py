@@ -6,7 +6,8 @@ import pytest
 import kshell as ks
 from kshell.mesh.mesh import Mesh
 from kshell.plate.corner_exponents import Star, corner_exponents, least_exponent
-from tests.plate.hhj_cases import problem, square
+from tests.plate.hhj_cases import MATERIAL, problem, square
+from tests.plate.plates import disk
 
 NU = 0.3
 ISOTROPIC = (1.0, NU, 0.0, NU, 1.0, 0.0, 0.0, 0.0, (1 - NU) / 2)
@@ -126,3 +127,37 @@ def test_where_the_stiffness_jumps():
     # a quarter without stiffness is a re-entrant corner between free edges
     limit = least_exponent(corner(270, FREE, FREE))
     assert abs(exponents[0.1][0.5, 0.5] - limit) < 0.02
+
+
+def half_clamped_disk() -> Mesh:
+    mesh = disk(4)
+    edges = mesh.boundary_edges
+    upper = mesh.points[mesh.edges[edges], 1].mean(axis=1) > 0.0
+    groups = {"clamped": mesh.edges[edges[upper]], "rest": mesh.edges[edges[~upper]]}
+    return Mesh.from_arrays(mesh.points, mesh.triangles, groups)
+
+
+def test_curved_edges_leave_along_their_tangents():
+    """Vertices of a rim are no corners; where its support ends it is straight near by."""
+    of = problem(half_clamped_disk(), [ks.Clamped("clamped")], [ks.Pressure(1.0)])
+    assert named(of) == pytest.approx({(1.0, 0.0): 1.5, (-1.0, 0.0): 1.5}, abs=1e-5)
+    rim = problem(disk(4), [ks.SimplySupported("edge")], [ks.Pressure(1.0)])
+    assert named(rim) == {}
+
+
+def test_curved_plates_are_graded_to_a_tolerance():
+    """0.0776454: by two elements on meshes graded further."""
+    scene = ks.Scene(
+        half_clamped_disk(),
+        thickness=1.0,
+        material=MATERIAL,
+        supports=[ks.Clamped("clamped")],
+        loads=[ks.Pressure(1.0)],
+        probes={"centre": (0.0, 0.0, 0.0)},
+    )
+    result = ks.solve(scene, tolerance=1e-3, large_deflection=False)
+    assert result.error["estimate"] <= 1e-3
+    assert result.probes["centre"]["u"][2] == pytest.approx(0.0776454, rel=1e-3)
+    assert len(result.error["levels"]) < 4  # 10 without
+    rim = result.mesh.points[np.unique(result.mesh.edges[result.mesh.boundary_edges])]
+    assert np.hypot(rim[:, 0], rim[:, 1]) == pytest.approx(1.0, abs=1e-9)
