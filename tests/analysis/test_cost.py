@@ -37,7 +37,16 @@ def test_cost_grows_with_unknowns_and_falls_with_processes() -> None:
         several = cost.cost_of(model, processes)
         assert several is not None
         assert several.processes == processes
+    memory = [found.memory for p in (1, 2, 4) if (found := cost.cost_of(many, p)) is not None]
+    assert memory == sorted(memory, reverse=True)
     large = cost.FIGURES["koiter", 2]
+    # a solve of 304,720 unknowns with its estimate on 1, 2 and 4 processes: bytes of the one that takes most
+    for processes, taken in ((1, 1168e6), (2, 810e6), (4, 535e6)):
+        said = cost.BASE_PETSC + large.beside_factors(304_720, processes)
+        said += large.factor_bytes(304_720) / processes
+        assert said == pytest.approx(taken, rel=0.15)
+    plate = cost.FIGURES["morley", 2]
+    assert plate.beside_factors(1000, 2) == pytest.approx(1000 * (500.0 + 450.0))
     assert large.factor_bytes(1_000_000) == pytest.approx(8 * 213e6, rel=0.05)  # as MUMPS counts at 1,003,472
     assert large.factor_flops(1_003_472) == pytest.approx(1.61e11, rel=0.15)
 
