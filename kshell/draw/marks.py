@@ -98,12 +98,12 @@ def seeing(nodes: Floats, triangles: NDArray[np.integer], node: int) -> tuple[fl
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     corners = nodes[triangles] - nodes[node]
     for view in VIEWS:
-        if not _hidden(corners, _towards(*view), NEAR * size):
+        if not _hidden(corners, towards(*view), NEAR * size):
             return view
     return USUAL
 
 
-def _towards(elevation: float, azimuth: float) -> Floats:
+def towards(elevation: float, azimuth: float) -> Floats:
     """The direction to the eye."""
     up, around = np.radians([elevation, azimuth])
     return np.array([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)])

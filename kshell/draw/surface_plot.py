@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, LETTERS, add_below, colour_bar, colours, flat_triangles
+from kshell.draw.hidden import Depths
 from kshell.draw.in_time import largest_values
 from kshell.draw.marks import USUAL, draw_marks, marks, seeing
 from kshell.draw.scene_plot import ASIDE, SUPPORT_COLOURS, amount, load_colour, material_axes, on_mesh
@@ -33,6 +34,7 @@ Floats = NDArray[np.float64]
 LARGEST_SHOWN = 0.1  # of the size of the shell: the largest displacement as drawn
 SIGNS = 12  # about this many arrows of one load
 MANY_FACES = 5_000
+DASH = 3  # pieces of lines that make a dash
 BAR, SQUARE = 1.0, 6.6  # inches for a bar of colours, and of the axes
 LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 
@@ -97,17 +99,17 @@ def surface_figure(result: Result, values: Floats, label: str) -> Figure:
     axes.add_collection3d(
         Poly3DCollection(corners, facecolors=faces, edgecolors=faces, linewidths=0.2, rasterized=True)
     )
+    depths = Depths(axes, nodes[triangles])
     if len(mesh.triangles) <= FEW_TRIANGLES:
-        lines = _edge_lines(mesh, shown, np.arange(len(mesh.edges)))
+        lines = depths.visible(_edge_lines(mesh, shown, np.arange(len(mesh.edges))))
         axes.add_collection3d(Line3DCollection(lines, colors="black", linewidths=0.25, alpha=0.35))
     outline = np.flatnonzero(mesh.edge_counts != 2)
     if len(outline):
-        axes.add_collection3d(
-            Line3DCollection(_edge_lines(mesh, shown, outline), colors="black", linewidths=1.0)
-        )
-        axes.add_collection3d(
-            Line3DCollection(_edge_lines(mesh, still, outline), colors="0.5", linewidths=0.8, linestyles="--")
-        )
+        lines = depths.visible(_edge_lines(mesh, shown, outline))
+        axes.add_collection3d(Line3DCollection(lines, colors="black", linewidths=1.0))
+        pieces = depths.visible(_edge_lines(mesh, still, outline))
+        dashes = pieces[np.arange(len(pieces)) % (2 * DASH) < DASH]
+        axes.add_collection3d(Line3DCollection(dashes, colors="0.5", linewidths=0.8))
     draw_marks(axes, found, nodes)
     words = f"{label}, from {low:.4g} to {high:.4g}\ndisplacements drawn {scale:g} times as large, dashed: at rest"
     tall = figure.get_figheight()
@@ -133,16 +135,17 @@ def plot_surface_scene(mesh: Mesh, scene: Scene | None, title: str = "") -> Figu
     figure, axes = _figure(title, nodes)
     corners = nodes[triangles]
     grey = np.repeat((0.92 * _shade(corners))[:, None], 3, axis=1)
-    faces = np.column_stack([grey, np.full(len(grey), 0.75)])
-    axes.add_collection3d(Poly3DCollection(corners, facecolors=faces, rasterized=True))
+    axes.add_collection3d(
+        Poly3DCollection(corners, facecolors=grey, edgecolors=grey, linewidths=0.2, rasterized=True)
+    )
     thin = float(np.clip(40.0 / np.sqrt(len(mesh.triangles)), 0.1, 0.6))
-    every = _edge_lines(mesh, nodes, np.arange(len(mesh.edges)))
+    depths = Depths(axes, corners)
+    every = depths.visible(_edge_lines(mesh, nodes, np.arange(len(mesh.edges))))
     axes.add_collection3d(Line3DCollection(every, colors="#9aa3ad", linewidths=thin))
     outline = np.flatnonzero(mesh.edge_counts != 2)
     if len(outline):
-        axes.add_collection3d(
-            Line3DCollection(_edge_lines(mesh, nodes, outline), colors="black", linewidths=1.0)
-        )
+        lines = depths.visible(_edge_lines(mesh, nodes, outline))
+        axes.add_collection3d(Line3DCollection(lines, colors="black", linewidths=1.0))
     if scene is not None:
         for support in on_mesh(scene.supports, scene):
             _draw_support(axes, mesh, nodes, support)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kshell.draw.canvas import colours
+from kshell.draw.canvas import FEW_TRIANGLES, colours, flat_triangles
+from kshell.draw.marks import USUAL, marks, seeing, towards
 from kshell.draw.pictures import picture_values, pictures
 from kshell.draw.surface_plot import deformed_nodes, drawn_scale
 from kshell.errors import InputError
@@ -66,15 +67,36 @@ def show(result: Result, what: str, scale: float | None, file: str | None) -> An
         cmap=style["cmap"],
         clim=(style["vmin"], style["vmax"]),
         smooth_shading=True,
+        show_edges=result.mesh.midpoints is None and len(result.mesh.triangles) <= FEW_TRIANGLES,
+        edge_opacity=0.25,
         ambient=0.35,
         scalar_bar_args={"title_font_size": 18, "label_font_size": 15, "position_y": 0.03, "height": 0.1},
     )
+    outline = surface.extract_feature_edges(manifold_edges=False, feature_angle=30.0)
+    if outline.n_points:
+        plotter.add_mesh(outline, color="black", line_width=2)
     rest = surface_grid(result, 0.0).extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
     plotter.add_mesh(rest.extract_feature_edges(manifold_edges=False), color="grey", line_width=1)
     plotter.add_text(f"{result.title}\ndisplacements {scale:g} times as large", font_size=10)
+    nodes = deformed_nodes(result, scale)[1]
+    found = marks(values, result.rows)
+    for mark in found:
+        plotter.add_point_labels(
+            nodes[[mark.node]],
+            [f"{mark.kind} {mark.words}"],
+            font_size=16,
+            point_size=12,
+            point_color="black",
+            shape_color="white",
+            shape_opacity=0.75,
+            render_points_as_spheres=True,
+            always_visible=True,
+        )
+    triangles = flat_triangles(result.mesh, result.rows)[1]
+    view = seeing(nodes, triangles, found[0].node) if found else USUAL
     plotter.show_axes()
-    plotter.reset_camera()
-    plotter.camera.zoom(0.8)  # room for the colour bar
+    plotter.view_vector(towards(*view), viewup=(0.0, 0.0, 1.0))
+    plotter.camera.zoom(1.05)
     if file is not None:
         plotter.screenshot(str(file))
     else:

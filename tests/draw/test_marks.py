@@ -85,3 +85,25 @@ def test_check_says_where_groups_are(capsys):
 def test_a_folder_without_a_picture_is_refused(tmp_path, capsys):
     assert run(["check", "meshes/plate.toml", "-o", str(tmp_path)]) == 2
     assert "--plot" in capsys.readouterr().err
+
+
+def test_edges_behind_a_surface_are_not_drawn():
+    from kshell.draw.hidden import Depths
+    from kshell.draw.surface_plot import _figure
+
+    # two sheets, one above the other, seen from above
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    up = np.array([0, 0, 0.5])
+    corners = np.concatenate([square, square * 0.5 + 0.25 - up])
+    faces = corners[[[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]]
+    _, axes = _figure("", corners, view=(80.0, -60.0))
+    depths = Depths(axes, faces)
+    above, below = (corners[[[a, a + 1]]] for a in (0, 4))
+    length = {}
+    for name, line in (("above", above), ("below", below)):
+        pieces = depths.visible(line)
+        length[name] = float(np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1).sum())
+    assert length["above"] == pytest.approx(1.0, abs=0.02)
+    assert length["below"] == 0.0
+    free = depths.visible(np.array([[[1.5, 0.0, -0.5], [1.5, 1.0, -0.5]]]))  # beside the sheets
+    assert np.linalg.norm(free[:, 1] - free[:, 0], axis=1).sum() == pytest.approx(1.0, abs=0.02)
