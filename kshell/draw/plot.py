@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.draw.field_plot import FieldFigure
 from kshell.draw.history_plot import film_figure, history_figure
@@ -19,6 +20,7 @@ from kshell.draw.png import png
 from kshell.draw.reactions_plot import reactions_figure
 from kshell.draw.response_plot import response_figure
 from kshell.draw.scene_plot import plot_scene
+from kshell.draw.stills import drawn_by_pyvista, still
 from kshell.draw.surface_plot import plot_surface_scene, surface_figure
 from kshell.errors import InputError
 from kshell.result.result import Result
@@ -77,6 +79,11 @@ def save_picture(
     fields: Callable[[], FieldFigure] | None = None,
 ) -> None:
     """Write a picture of a result as PNG, to be small or written fast."""
+    if drawn_by_pyvista(result, what):
+        image = still(result, what)
+        if image is not None:
+            _write(image, path, dpi, small)
+            return
     save_figure(plot(result, what, fields), path, dpi, small)
 
 
@@ -92,7 +99,11 @@ def save_figure(figure: Figure, path: Path | BinaryIO, dpi: int = DPI, small: bo
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     opaque = np.ascontiguousarray(np.asarray(canvas.buffer_rgba())[..., :3])
-    data = png(opaque, dpi, 6 if small else 1)
+    _write(opaque, path, dpi, small)
+
+
+def _write(image: NDArray[np.uint8], path: Path | BinaryIO, dpi: int, small: bool) -> None:
+    data = png(image, dpi, 6 if small else 1)
     if isinstance(path, Path):
         path.write_bytes(data)
     else:

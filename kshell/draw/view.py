@@ -49,6 +49,22 @@ def surface_grid(result: Result, scale: float) -> Any:
 
 def show(result: Result, what: str, scale: float | None, file: str | None) -> Any:
     """See `Result.show`."""
+    plotter = view_of(result, what, scale, file is not None)
+    if file is not None:
+        plotter.screenshot(str(file))
+    else:
+        plotter.show(auto_close=False)
+    return plotter
+
+
+def view_of(result: Result, what: str, scale: float | None, off_screen: bool) -> Any:
+    """The plotter of a view, not yet shown.
+
+    Raises
+    ------
+    InputError
+        If there is no such view, or PyVista is not installed.
+    """
     known = [name for name in pictures(result) if name != "mesh"]
     if what not in known:
         raise InputError(f'no view "{what}": {suggestion(what, known)}the views are {listing(known)}')
@@ -59,7 +75,7 @@ def show(result: Result, what: str, scale: float | None, file: str | None) -> An
     grid = surface_grid(result, scale)
     grid.point_data[label] = values
     style = colours(float(values.min()), float(values.max()))
-    plotter = module.Plotter(off_screen=file is not None, window_size=(1200, 900))
+    plotter = module.Plotter(off_screen=off_screen, window_size=(1200, 900))
     surface = grid.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
     plotter.add_mesh(
         surface,
@@ -97,8 +113,4 @@ def show(result: Result, what: str, scale: float | None, file: str | None) -> An
     plotter.show_axes()
     plotter.view_vector(towards(*view), viewup=(0.0, 0.0, 1.0))
     plotter.camera.zoom(1.05)
-    if file is not None:
-        plotter.screenshot(str(file))
-    else:
-        plotter.show(auto_close=False)
     return plotter

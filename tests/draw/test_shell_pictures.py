@@ -77,3 +77,22 @@ def test_view_has_curved_triangles():
     assert grid.n_cells == len(result.mesh.triangles)
     assert set(grid.celltypes) == {22}  # quadratic triangles
     assert grid.area == pytest.approx(25 * np.radians(40) * 25, rel=0.05)
+
+
+@pytest.mark.full
+def test_stills_by_pyvista(tmp_path, monkeypatch):
+    pytest.importorskip("pyvista")
+    from kshell.draw import stills
+    from kshell.draw.plot import save_picture
+
+    result = ks.solve(ks.Scene.load("meshes/scordelis_lo.toml"), error="off")
+    assert not stills.drawn_by_pyvista(result, "deflection")
+    monkeypatch.setenv(stills.CHOICE, "")
+    assert stills.drawn_by_pyvista(result, "deflection")
+    assert not stills.drawn_by_pyvista(result, "mesh")
+    save_picture(result, "deflection", tmp_path / "a.png")
+    image = stills.still(result, "deflection")
+    assert image.shape == (900, 1200, 3)
+    inside = image[250:650, 300:900].reshape(-1, 3)
+    assert len(np.unique(inside, axis=0)) > 50  # a field, not an empty window
+    assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
