@@ -163,6 +163,9 @@ class StrainEnergy(Evaluated):
         """
         return x, memory
 
+    def forget(self) -> None:
+        """Give up what is quickly made anew, before much memory is needed for something else."""
+
     def most_moved(self, motion: Floats) -> Floats | None:
         """(3,) the place in space that a motion (unknowns,) moves most, None where that is not told."""
         return None

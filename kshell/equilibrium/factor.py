@@ -16,6 +16,7 @@ from kshell.equilibrium.reduced import ReducedPattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
 from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, Singular
+from kshell.solvers.memory import give_back
 from kshell.solvers.nearest import picked
 from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU, dense_factor
 
@@ -127,6 +128,9 @@ class Factoriser:
                 entries, indices, indptr = lower.data, lower.indices, lower.indptr
                 del lower
             del pattern  # what is not needed any more leaves room for the factor
+            if energy.unknowns > energy.kept:
+                energy.forget()
+                give_back()
             if kind is Cholmod:
                 solver = Cholmod(indptr, indices, entries, dissected, once=True)
                 del indptr, indices, entries

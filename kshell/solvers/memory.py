@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import os
 from pathlib import Path
@@ -34,6 +35,14 @@ def fits(matrix: Any, backend: str, available: float | None = None) -> bool:
     """Whether a factorisation can be expected to fit. Where the memory is unknown, it is tried."""
     have = available_bytes() if available is None else available
     return factorisation_bytes(matrix.shape[0], matrix.nnz, backend) <= SHARE * have
+
+
+def give_back() -> None:
+    """Give what was freed back to the system; the heap of Linux (glibc) keeps what lies between blocks in use."""
+    try:
+        ctypes.CDLL(None).malloc_trim(0)
+    except (AttributeError, OSError, TypeError):  # another library of C
+        return
 
 
 def available_bytes() -> float:

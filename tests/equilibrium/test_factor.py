@@ -235,3 +235,22 @@ def test_very_thin_shells_are_right_on_every_back_end(ratio, monkeypatch):
             energies.append(0.5 * float(problem.load @ solution.x) * thickness**3)
     assert energies[1] == pytest.approx(energies[0], rel=0.01)
     np.testing.assert_allclose(energies[2:], energies[1], rtol=1e-6)
+
+
+def test_large_shells_give_up_what_is_made_anew(monkeypatch):
+    """What is left out before the factor is made does not change the solution."""
+    known = pinched_hemisphere(1e-2)
+    whole = LinearSolver(known.energy, known.reduction).solve(known.load)
+    monkeypatch.setattr(Koiter, "kept", 0)
+    forget, made = Koiter.forget, []
+
+    def forgotten(energy):
+        made.append("constitutive" in energy.__dict__)
+        forget(energy)
+        made.append("constitutive" in energy.__dict__)
+
+    monkeypatch.setattr(Koiter, "forget", forgotten)
+    problem = pinched_hemisphere(1e-2)
+    found = LinearSolver(problem.energy, problem.reduction).solve(problem.load)
+    assert made == [True, False]
+    np.testing.assert_allclose(found.x, whole.x, atol=1e-8 * np.abs(whole.x).max())

@@ -109,9 +109,16 @@ class Koiter(StrainEnergy):
         self.unknowns = surface.unknowns
         self.triangle_unknowns = surface.triangle_unknowns
         self.strains = 2 * surface.reference.strains
-        self.constitutive = TriangleStiffness.of(surface, section, self.blocks)  # K
         self.rest = rest_directors(surface) if rest is None else rest
         self._both = np.concatenate([surface.reference.first, surface.reference.second])
+
+    @cached_property
+    def constitutive(self) -> TriangleStiffness:
+        """K."""
+        return TriangleStiffness.of(self.surface, self.section, self.blocks)
+
+    def forget(self) -> None:
+        self.__dict__.pop("constitutive", None)
 
     @property
     def stiffness(self) -> Floats:
