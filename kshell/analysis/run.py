@@ -21,6 +21,7 @@ from kshell.scene.options import SolveOptions
 from kshell.scene.scene import Scene
 from kshell.scene.structure import Placed, Structure, resolve
 from kshell.scene.thermal import keeps_stress
+from kshell.values.units_sense import doubts
 
 # analyses whose displacements are those of the loads
 DEFLECTED = ("static", "path", "dynamic")
@@ -115,6 +116,7 @@ def described(
         result.model["reasons"].append(
             "strain energy: without that of the stresses, free of resultants, that warm layers keep against each other"
         )
+    result.warnings += doubts(run.scene.units)
     if result.analysis in DEFLECTED:
         warn_of_the_implausible(result, model.structure, large, run.factors)
     mark_peaks(result, model.structure, model.singular())
