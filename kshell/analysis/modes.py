@@ -62,7 +62,7 @@ def analyse(model: Model, run: Run) -> Result:
         known = known.only(count)
     model, found, state = stage.model, stage.found, stage.state
     with run.clock.stage("recover"):
-        rigid = [] if state is not None else model.rigid_modes(stage.pencil.mass).names
+        rigid = model.rigid_modes(stage.pencil.mass).names if stage.pencil.rigid.shape[1] else []
         vectors = np.concatenate([stage.pencil.rigid, found.vectors[:, :count]], axis=1)
         values = np.concatenate([np.zeros(len(rigid)), found.values[:count]])
         result = modal_result(model, vectors)

@@ -322,14 +322,22 @@ class KoiterRecovery:
         initial: Floats | None = None,
     ) -> None:
         self.koiter, self.x, self.finite = koiter, x, finite
-        strain = koiter.strain(x, memory) if finite else koiter.linear_strain(x)
-        self._total = strain
         inelastic = inelastic_of(memory)
         if finite and inelastic is not None:
             initial = inelastic if initial is None else initial + inelastic
-        self.strain = strain if initial is None else strain - initial
+        self._memory, self._initial = memory, initial
         self._stress: Floats | None = None
         self._total_stress: Floats | None = None
+
+    @cached_property
+    def _total(self) -> Floats:
+        """(triangle, 2 r) strains, found when they are looked at: the displacement of a mode needs none."""
+        return self.koiter.strain(self.x, self._memory) if self.finite else self.koiter.linear_strain(self.x)
+
+    @cached_property
+    def strain(self) -> Floats:
+        """(triangle, 2 r) those with stress."""
+        return self._total if self._initial is None else self._total - self._initial
 
     def know_stress(self) -> None:
         """Find the stresses of all triangles once, so that they are not found anew for each place."""
