@@ -50,7 +50,7 @@ LITTLE = (
 GAINLESS = 3  # such levels in a row, after which refining ends
 GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
 QUARTICS = "order 4: quartics follow a chart so closely that its shape takes no triangles of its own"
-BYTES = 30e3  # memory of a direct solve for each unknown, about
+BYTES, BYTES_MORLEY = 30e3, 4e3  # memory of a solve and its estimate for each unknown, about
 
 
 def analyse(model: Model, run: Run) -> Result:
@@ -218,7 +218,8 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
     if spent + GROWTH * level.seconds > options.time_limit:
         return f"the limit of {options.limit} would be passed by the next level"
     allowed = min(options.memory_limit, SHARE * available_bytes() + peak_bytes())
-    if peak_bytes() + GROWTH * BYTES * level.unknowns > allowed:
+    each = BYTES_MORLEY if level.model.element == "morley" else BYTES
+    if peak_bytes() + GROWTH * each * level.unknowns > allowed:
         return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
     if not np.isfinite(level.half_width):
         return "what is asked for does not move, so no error of it is small"
