@@ -77,8 +77,7 @@ def assemble(
                 load_work += float(here.sum())
             continue
         blocks = batch.part.matrices(batch.positions, batch.reduced)
-        where = pattern.positions(batch.triangles, batch.unknown)
-        np.add.at(data, where.ravel(), blocks.ravel())
+        pattern.add(data, batch.triangles, batch.unknown, blocks)
         if batch.moved is not None:
             both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
             add_to(fixed_load, batch.unknown, -both[:, :-1, -1])

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.plate.reduction import Reduction
+from kshell.solvers import kernels
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -153,12 +154,7 @@ class Pattern:
         per_vertex = self.reduction.layout.per_vertex
         out = self._block[self.pairs.of_triangles(triangles)].astype(np.intp)  # (n, 6, 6)
         if per_vertex > 1:
-            at_each = (unknown.shape[1] - 3) // 3  # columns of a vertex, more where lines cross the plate
-            local_node = np.concatenate([np.repeat(np.arange(3), at_each), [3, 4, 5]])
-            mesh = self.reduction.layout.mesh
-            nodes = np.concatenate(
-                [mesh.triangles[triangles], len(mesh.points) + mesh.triangle_edges[triangles]], axis=1
-            )[:, local_node]
+            local_node, nodes = self._nodes(triangles, unknown.shape[1])
             rank = np.where(unknown < 0, 0, unknown - self._starts[nodes])  # among the unknowns of the node
             out = out[:, local_node][:, :, local_node]
             out += (rank * self._width[nodes])[:, :, None]
@@ -167,6 +163,32 @@ class Pattern:
         if fixed.any():
             out[fixed[:, :, None] | fixed[:, None, :]] = self.entries
         return out
+
+    def add(self, data: Floats, triangles: Ints, unknown: Ints32, matrices: Floats) -> None:
+        """Add element matrices (n, local, local) to the entries and one more (entries + 1,); see `positions`."""
+        if kernels.compiled is None or self.indptr.dtype != np.int32:
+            np.add.at(data, self.positions(triangles, unknown).ravel(), matrices.ravel())
+            return
+        local_node, nodes = self._nodes(triangles, unknown.shape[1])
+        kernels.compiled.add_blocks(
+            data,
+            kernels.contiguous(self._block[self.pairs.of_triangles(triangles)], np.int32),
+            local_node,
+            kernels.contiguous(unknown - self._starts[nodes], np.int32),
+            kernels.contiguous(self._width[nodes], np.int32),
+            np.ascontiguousarray(unknown, dtype=np.int32),
+            np.ascontiguousarray(matrices),
+        )
+
+    def _nodes(self, triangles: Ints, columns: int) -> tuple[Ints, Ints]:
+        """(columns,) local node of each column of element matrices, and (n, columns) its node."""
+        at_each = (columns - 3) // 3  # columns of a vertex, more where lines cross the plate
+        local_node = np.concatenate([np.repeat(np.arange(3), at_each), [3, 4, 5]]).astype(np.int64)
+        mesh = self.reduction.layout.mesh
+        whole = np.concatenate(
+            [mesh.triangles[triangles], len(mesh.points) + mesh.triangle_edges[triangles]], axis=1
+        )
+        return local_node, whole[:, local_node]
 
     def matrix(self, data: Floats) -> Any:
         """The CSR matrix with these entries."""
@@ -191,6 +213,10 @@ class FullPattern:
         if fixed.any():
             out[fixed[:, :, None] | fixed[:, None, :]] = self.entries
         return out
+
+    def add(self, data: Floats, triangles: Ints, unknown: Ints32, matrices: Floats) -> None:
+        """As `Pattern.add`."""
+        np.add.at(data, self.positions(triangles, unknown).ravel(), matrices.ravel())
 
     def matrix(self, data: Floats) -> Any:
         """The dense array with these entries."""

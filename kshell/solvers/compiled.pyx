@@ -6,7 +6,7 @@ from libc.math cimport INFINITY
 from libc.stdint cimport int32_t, int64_t
 
 
-VERSION = 1  # as in kshell.solvers.kernels
+VERSION = 2  # as in kshell.solvers.kernels
 
 
 cdef void _sort(int32_t* a, Py_ssize_t n) noexcept nogil:
@@ -205,3 +205,26 @@ def halved(const int32_t[::1] order, const cython.uchar[::1] beyond, const int64
                 else:
                     result[before] = order[i]
                     before += 1
+
+
+def add_blocks(double[::1] data, const int32_t[:, :, ::1] block, const int64_t[::1] node, const int32_t[:, ::1] rank,
+               const int32_t[:, ::1] width, const int32_t[:, ::1] unknown, const double[:, :, ::1] matrices):
+    """Add element matrices to compressed rows in which nodes couple as blocks; what is fixed falls away.
+
+    Parameters
+    ----------
+    block : (element, m, m) where the block of two nodes begins
+    node : (n,) node of each column of the matrices
+    rank, width, unknown : (element, n) place in its block, length of its row, number or -1
+    """
+    cdef Py_ssize_t e, i, j, n = node.shape[0]
+    cdef int64_t row
+    with nogil:
+        for e in range(matrices.shape[0]):
+            for i in range(n):
+                if unknown[e, i] < 0:
+                    continue
+                row = <int64_t>rank[e, i] * width[e, i]
+                for j in range(n):
+                    if unknown[e, j] >= 0:
+                        data[block[e, node[i], node[j]] + row + rank[e, j]] += matrices[e, i, j]

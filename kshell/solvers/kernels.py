@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Ints = NDArray[np.integer]
 
 VARIABLE = "KSHELL_COMPILED"
-VERSION = 1  # of the functions of the compiled module, which has the same
+VERSION = 2  # of the functions of the compiled module, which has the same
 
 
 def _loaded() -> Any:

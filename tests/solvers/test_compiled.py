@@ -11,6 +11,8 @@ import pytest
 import scipy.sparse as sp
 import setuptools
 
+import kshell as ks
+from kshell.analysis.models import model_of
 from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.sparsity import Sparsity, group_pairs
 from kshell.solvers import kernels
@@ -88,6 +90,29 @@ def test_orders_of_elimination(monkeypatch, count):
     fast, slow = both_ways(monkeypatch, lambda: dissected(centres, members, count + 3))
     np.testing.assert_array_equal(fast, slow)
     np.testing.assert_array_equal(np.sort(fast), np.arange(count + 3))
+
+
+def stepped_plate():
+    """Two thicknesses, so that vertices between them have two fans; held at one side."""
+    mesh = ks.geometry.Plane().mesh(4, 4, 1, ("left", "right", "bottom", "top"), (0.0, 1.0), (0.0, 1.0))
+    middles = mesh.points[mesh.triangles].mean(axis=1)
+    halves = {name: mesh.triangles[(middles[:, 0] < 0.5) == low] for name, low in (("a", True), ("b", False))}
+    mesh = ks.Mesh.from_arrays(
+        mesh.points, mesh.triangles, halves | {"left": mesh.edges[mesh.groups["left"].members]}
+    )
+    steel = ks.Isotropic(E=1.0, nu=0.3)
+    thickness = {"a": 0.1, "b": 0.2}
+    return ks.Scene(mesh=mesh, thickness=thickness, material=steel, supports=[ks.Clamped("left")])
+
+
+@built
+@pytest.mark.parametrize("element", ["morley", "argyris"])
+def test_matrices_of_plates(monkeypatch, element):
+    fast, slow = both_ways(
+        monkeypatch, lambda: model_of(stepped_plate(), element=element, model="plate").stiffness()
+    )
+    assert_same((fast.indptr, fast.indices), (slow.indptr, slow.indices))
+    np.testing.assert_allclose(fast.data, slow.data, rtol=1e-14, atol=1e-14 * np.abs(slow.data).max())
 
 
 def test_they_can_be_left_out():
