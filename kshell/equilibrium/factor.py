@@ -78,6 +78,25 @@ class Factoriser:
             raise SolveError("the stiffness is not finite: the step led too far away")
         return self._first(lambda kind: self._with(kind, matrix), definite)
 
+    def positive(self, matrix: sp.csr_matrix) -> Factor | None:
+        """The matrix in the free unknowns, factorised if it is positive definite, else None.
+
+        Raises
+        ------
+        SolveError
+            If the matrix holds numbers that are not finite.
+        """
+        if not np.all(np.isfinite(matrix.data)):
+            raise SolveError("the stiffness is not finite: the step led too far away")
+        if not self._basis.shape[1]:
+            return Factor(np.zeros_like, lambda: 0, True)
+        kind: type = Cholmod if self._symmetric and CHOLMOD.installed else SuperLU
+        try:
+            found = self._with(kind, matrix)
+        except Singular:
+            return None
+        return found if found.definite or found.negative == 0 else None
+
     def factorise_at_rest(self, springs: sp.spmatrix | None = None) -> tuple[Factor, Floats]:
         """The stiffness of the state at rest with that of springs, factorised, and its diagonal (unknowns,).
 

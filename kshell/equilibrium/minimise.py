@@ -1,19 +1,24 @@
 """A stable equilibrium where Newton's method alone finds none: projected Newton steps with a line search.
 
-The true tangent is taken where it is positive definite, so that the end is quadratic. Where it is not, the matrices
-of the triangles and of pairs in contact lose their negative eigenvalues (Teran, Sifakis, Irving and Fedkiw, Proc. SCA
-2005), which makes every step one of descent. The line search looks at the slope along the step, not at differences of
-the energy: these round away in thin shells, and loads that turn with the surface have no energy at hand. With contact
-steps stop before surfaces meet.
+The true tangent is taken where it is positive definite, so that the end is quadratic. Where it is not, it is mixed with
+one whose matrices of triangles and of pairs in contact have lost their negative eigenvalues (Teran, Sifakis, Irving and
+Fedkiw, Proc. SCA 2005), by the smallest share that makes it positive definite, and every step one of descent. That one
+alone is too stiff along a direction in which the structure buckles, and leaves an unstable state in many small steps.
+The line search looks at the slope along the step, not at differences of the energy: these round away in thin shells,
+and loads that turn with the surface have no energy at hand. With contact steps stop before surfaces meet.
 """
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.problem import Problem, State
 from kshell.errors import SolveError
+from kshell.solvers.repeated import Factor
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +30,8 @@ CLOSE = 1e-4
 OVERSHOT, MOST_CUTS = 0.5, 30
 # a shorter step, against the last
 LEAST_CUT, MOST_CUT = 0.1, 0.5
+# least share of the matrices without negative eigenvalues, and how it grows where it does not do
+LEAST_SHARE, MORE = 1.0 / 64.0, 4.0
 # iterations downhill from the rest, and what they may move against linear theory; a membrane takes eleven
 MOST_STIFFENED, LESS = 25, 0.5
 
@@ -49,18 +56,15 @@ def minimise(
         If none is found.
     """
     basis, touching = problem.reduction.basis, problem.touching
-    x = _shifted(problem, state, factor)
+    x, share = _shifted(problem, state, factor), 0.0
     for iteration in range(1, most_iterations + 1):
         arrived = touching is None or touching.advance(x)
         energy, residual, growth = problem.evaluate(x, factor, 2, state.memory)
         if not np.isfinite(energy.value):
             break
         reduced = basis.T @ residual
-        tangent = problem.factorise(energy.hessian)
-        true = tangent.definite or tangent.negative == 0
-        if not true:
-            energy, _, _ = problem.evaluate(x, factor, 2, state.memory, projected=True)
-            tangent = problem.factorise(energy.hessian)
+        tangent, share = _descending(problem, x, factor, state.memory, energy.hessian, share)
+        true = share == 0.0
         free = tangent.solve(reduced)
         work, step = float(reduced @ free), basis @ free
         if not np.isfinite(work):
@@ -72,11 +76,33 @@ def minimise(
             if near or (true and work <= FINISHED * scale):
                 if touching is not None:
                     touching.require_free(x + step)
-                negative = 0 if true else tangent.negative
-                found = State(factor, x + step, state.memory, iteration, negative, state.turned)
+                found = State(factor, x + step, state.memory, iteration, 0, state.turned)
                 return problem.settle(found)
         x = _along(problem, State(factor, x, state.memory), step, abs(work), part)
     raise SolveError(f"no stable equilibrium found at the load factor {factor:.6g} downhill", state=state)
+
+
+def _descending(
+    problem: Problem, x: Floats, factor: float, memory: Any, true: sp.csr_matrix, last: float
+) -> tuple[Factor, float]:
+    """A positive definite tangent, and the share in it of matrices without negative eigenvalues, after the last one.
+
+    Parameters
+    ----------
+    true : (unknowns, unknowns)
+        The tangent.
+    """
+    found = problem.positive(true)
+    if found is not None:
+        return found, 0.0
+    energy, _, _ = problem.evaluate(x, factor, 2, memory, projected=True)
+    added, share = energy.hessian - true, max(last / MORE, LEAST_SHARE)
+    while share < 1.0:
+        found = problem.positive(true + share * added)
+        if found is not None:
+            return found, share
+        share *= MORE
+    return problem.factorise(energy.hessian), 1.0
 
 
 def stiffened(problem: Problem, state: State, factor: float) -> State | None:

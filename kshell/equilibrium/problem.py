@@ -147,6 +147,10 @@ class Problem:
         """The tangent in the free unknowns, factorised; serves until the next one. See `Factoriser.factorise`."""
         return self._factoriser.factorise(tangent, definite)
 
+    def positive(self, tangent: sp.csr_matrix) -> Factor | None:
+        """The same where it is positive definite, else None. See `Factoriser.positive`."""
+        return self._factoriser.positive(tangent)
+
     def pulled(self, spring: Floats, to: Floats) -> Problem:
         """The same with springs that pull the unknowns to a place, (unknowns,) each."""
         springs, constant = sp.diags(spring, format="csr"), spring * to

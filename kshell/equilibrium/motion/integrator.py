@@ -148,8 +148,13 @@ class Integrator(ABC):
         """
 
     @abstractmethod
-    def step(self, motion: Motion, size: float) -> Motion:
+    def step(self, motion: Motion, size: float, last: bool = False) -> Motion:
         """The motion a step later.
+
+        Parameters
+        ----------
+        last : bool
+            Whether no shorter one will be tried, so that it may cost more.
 
         Raises
         ------

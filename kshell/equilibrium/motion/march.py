@@ -31,8 +31,8 @@ SMALLEST, LARGEST = 1.0 / 64.0, 0.05
 ALIKE = 1e-9
 # steps before the end that are made alike, where few sizes are wanted
 NEAR = 3
-# iterations after which a step that was cut may grow again
-EASY = 6
+# iterations after which a step that was cut may grow again; with contact
+EASY, EASY_TOUCHING = 6, 15
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class TimeSteps:
             if abs(h - size) <= ALIKE * size or (self._few and left > NEAR * size):
                 h = size
             try:
-                found = self.integrator.step(motion, h)
+                found = self.integrator.step(motion, h, last=0.5 * h < SMALLEST * self.first)
             except SolveError as error:
                 size, rejected = 0.5 * h, rejected + 1
                 if size < SMALLEST * self.first:
@@ -122,7 +122,8 @@ class TimeSteps:
             return Going(found, self._next(size, found, error_of_step), amplitude, going.steps + 1, rejected)
 
     def _next(self, size: float, found: Motion, error: float) -> float:
-        if found.state.iterations > EASY:
+        easy = EASY if self.integrator.barrier is None else EASY_TOUCHING
+        if found.state.iterations > easy:
             return size
         if self.fixed:
             return min(2.0 * size, self.first)
