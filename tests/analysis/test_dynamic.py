@@ -127,6 +127,16 @@ def test_energy_and_momenta_are_kept():
     assert np.linalg.norm(history["probes"]["end"]["u"], axis=1).max() > 0.5
 
 
+def test_energy_and_momentum_with_a_viscous_material():
+    """The tangent of `em` is right where viscosity is far above what a step resolves: every step has its answer."""
+    scene, period = spinning(damping={"viscosity": 0.5})
+    result = ks.simulate(scene, time=0.2 * period, step=period / 100, scheme="em", order=1)
+    assert result.solver["rejected"] == 0
+    assert result.history["iterations"].max() <= 12
+    momentum = result.history["angular_momentum"]
+    assert np.abs(momentum - momentum[0]).max() < 1e-10 * np.linalg.norm(momentum[0])
+
+
 def test_a_free_body_falls():
     """Nothing holds it: g t^2 / 2, and the momentum is the impulse of the weight."""
     scene = cantilever(supports=[], initial_velocity=[1.0, 0, 0], loads=[ks.Gravity((0, 0, -10.0))])

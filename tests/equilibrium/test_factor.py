@@ -254,3 +254,22 @@ def test_large_shells_give_up_what_is_made_anew(monkeypatch):
     found = LinearSolver(problem.energy, problem.reduction).solve(problem.load)
     assert made == [True, False]
     np.testing.assert_allclose(found.x, whole.x, atol=1e-8 * np.abs(whole.x).max())
+
+
+@pytest.mark.parametrize("cholesky", [True, False])
+def test_factors_of_positive_matrices_alone(cholesky, monkeypatch):
+    """With CHOLMOD or without: None where an eigenvalue is negative, the solution where none is."""
+    if not cholesky:
+        monkeypatch.setattr(type(CHOLMOD), "installed", False)
+    elif not CHOLMOD.installed:
+        pytest.skip("CHOLMOD is not installed")
+    model = Model(rectangle(3, 2, 0, 1, 0, 0.8), 1, SECTION)
+    model.supports.clamp(model.edges(0, 0.0))
+    factoriser = Factoriser(model.reduction(), model.koiter)
+    stiffness = model.koiter.linear_stiffness()
+    large = sp.identity(stiffness.shape[0], format="csr") * abs(stiffness).max()
+    assert factoriser.positive((stiffness - large).tocsr()) is None
+    found = factoriser.positive((stiffness + large).tocsr())
+    basis = model.reduction().basis
+    rhs = np.random.default_rng(3).normal(size=basis.shape[1])
+    assert basis.T @ ((stiffness + large) @ (basis @ found.solve(rhs))) == pytest.approx(rhs)

@@ -182,7 +182,8 @@ class Middle(OfStep):
             return Energy(value)
         middle = 0.5 * (self.x + x)
         acts = acting if stress is None else stress
-        found = material.energy(middle, derivatives, memory, acts, None, projected)
+        # the derivative of s' is by x / 2, of the mean strain by 1/2 + q
+        found = material.energy(middle, derivatives, memory, 0.5 / (0.5 + q) * acts, None, projected)
         gradient = material.forces(found.linear, acting)
         if found.hessian is not None:
             found.hessian.data *= 0.5 + q

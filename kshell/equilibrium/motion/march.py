@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.motion.integrator import Integrator
+from kshell.equilibrium.motion.integrator import MOST_TOUCHING, Integrator
 from kshell.equilibrium.motion.state import Motion
 from kshell.errors import SolveError
 
@@ -29,6 +29,8 @@ AGAIN = 2.0
 SMALLEST, LARGEST = 1.0 / 64.0, 0.05
 # part of a step by which another of the same size may differ, by rounding: matrices of one size serve again
 ALIKE = 1e-9
+# a step shorter than this part of the first was cut before
+CUT = 0.75
 # steps before the end that are made alike, where few sizes are wanted
 NEAR = 3
 # iterations after which a step that was cut may grow again; with contact
@@ -48,6 +50,8 @@ class Going:
         Largest so far.
     steps, rejected : int
         Made so far, and taken again.
+    patient : bool
+        Whether steps with contact may take many iterations, as shorter ones took no fewer.
     """
 
     motion: Motion
@@ -55,6 +59,7 @@ class Going:
     amplitude: float = 0.0
     steps: int = 0
     rejected: int = 0
+    patient: bool = False
 
 
 class TimeSteps:
@@ -102,7 +107,7 @@ class TimeSteps:
             if abs(h - size) <= ALIKE * size or (self._few and left > NEAR * size):
                 h = size
             try:
-                found = self.integrator.step(motion, h, last=0.5 * h < SMALLEST * self.first)
+                found = self.integrator.step(motion, h, going.patient or h < CUT * self.first)
             except SolveError as error:
                 size, rejected = 0.5 * h, rejected + 1
                 if size < SMALLEST * self.first:
@@ -119,7 +124,11 @@ class TimeSteps:
             if not self.fixed and error_of_step > AGAIN * ALLOWED and 0.5 * h >= SMALLEST * self.first:
                 size, rejected = 0.5 * h, rejected + 1
                 continue
-            return Going(found, self._next(size, found, error_of_step), amplitude, going.steps + 1, rejected)
+            after, patient = self._next(size, found, error_of_step), going.patient
+            touching = self.integrator.barrier is not None
+            if touching and not patient and h < CUT * self.first and found.state.iterations > MOST_TOUCHING:
+                after, patient = self.first, True
+            return Going(found, after, amplitude, going.steps + 1, rejected, patient)
 
     def _next(self, size: float, found: Motion, error: float) -> float:
         easy = EASY if self.integrator.barrier is None else EASY_TOUCHING

@@ -29,7 +29,7 @@ def write(store: Store, number: int, going: Going, rows: Sequence[Floats]) -> No
     content: dict[str, Any] = state_content("", motion.state)
     content |= {name: getattr(motion, name) for name in VECTORS}
     content["motion"] = np.array([motion.time, motion.strain_energy])
-    content["going"] = np.array([going.size, going.amplitude, going.steps, going.rejected])
+    content["going"] = np.array([going.size, going.amplitude, going.steps, going.rejected, going.patient])
     content["rows"] = np.array(rows)
     if motion.before is not None:
         content |= {"before_x": motion.before.x, "before_velocity": motion.before.velocity}
@@ -46,5 +46,6 @@ def read(content: dict[str, Any], rest: Any) -> tuple[Going, Floats]:
     vectors = {name: content[name] for name in VECTORS}
     state = read_state("", content, rest)
     motion = Motion(float(time), state, strain_energy=float(energy), before=before, **vectors)
-    size, amplitude, steps, rejected = content["going"]
-    return Going(motion, float(size), float(amplitude), int(steps), int(rejected)), content["rows"]
+    size, amplitude, steps, rejected, patient = content["going"]
+    going = Going(motion, float(size), float(amplitude), int(steps), int(rejected), bool(patient))
+    return going, content["rows"]

@@ -104,7 +104,7 @@ class SmallIntegrator(Integrator):
         turned: Floats = turning @ spsolve((turning.T @ matrix @ turning).tocsc(), left)
         return x + turned
 
-    def step(self, motion: Motion, size: float, last: bool = False) -> Motion:
+    def step(self, motion: Motion, size: float, patient: bool = False) -> Motion:
         return (self._middle if self.scheme is None else self._end)(motion, size)
 
     def _end(self, motion: Motion, size: float) -> Motion:

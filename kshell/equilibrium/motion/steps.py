@@ -18,7 +18,7 @@ from kshell.equilibrium.contact.barrier import Barrier
 from kshell.equilibrium.energy import inelastic_of
 from kshell.equilibrium.minimise import MOST_ITERATIONS, minimise
 from kshell.equilibrium.motion.energies import Fading, Middle, Shifted, stored
-from kshell.equilibrium.motion.integrator import Integrator
+from kshell.equilibrium.motion.integrator import MOST_TOUCHING, Integrator
 from kshell.equilibrium.motion.schemes import earlier
 from kshell.equilibrium.motion.state import Before, Motion
 from kshell.equilibrium.newton import correct
@@ -29,8 +29,6 @@ Floats = NDArray[np.float64]
 
 # share of step^2 times the stiffness beside the mass in the first acceleration of what is bent by hand: beta of alpha
 UNRESOLVED = 0.31
-# iterations with contact after which two steps of half the size cost less: they take 7 to 22
-MOST_TOUCHING = 32
 # what the factorisation and patterns of one step leave for the next
 KEPT = ("_factoriser", "_springs_added", "_load_added")
 
@@ -89,8 +87,8 @@ class FiniteIntegrator(Integrator):
         state = State(0.0, reached, problem.energy.rest)
         return replace(minimise(replace(problem, reduction=turning), state, 1.0), iterations=0)
 
-    def step(self, motion: Motion, size: float, last: bool = False) -> Motion:
-        self._most = MOST_ITERATIONS if last else MOST_TOUCHING
+    def step(self, motion: Motion, size: float, patient: bool = False) -> Motion:
+        self._most = MOST_ITERATIONS if patient else MOST_TOUCHING
         return (self._middle if self.scheme is None else self._end)(motion, size)
 
     def _end(self, motion: Motion, size: float) -> Motion:
