@@ -26,22 +26,30 @@ class Interval:
     value, half_width, expected : (3,) arrays
         `expected` is the size that the error is likely to have, at most `half_width`.
     kind : "guaranteed" or "estimated"
+    common : float
+        What of each half width is the size of a vector whose direction is not known.
     """
 
     value: Floats
     half_width: Floats
     expected: Floats
     kind: Literal["guaranteed", "estimated"]
+    common: float = 0.0
 
     @property
     def relative(self) -> float:
         """Size of the half width over that of the displacement; infinite where that is zero and the former is not."""
-        return _ratio(float(np.linalg.norm(self.half_width)), float(np.linalg.norm(self.value)))
+        own = np.linalg.norm(np.maximum(self.half_width - self.common, 0.0))
+        return _ratio(float(own) + self.common, float(np.linalg.norm(self.value)))
 
     def widened(self, share: float, size: float = 0.0) -> Interval:
         """The interval with an error of another origin, relative to its value or to a size where that is larger."""
-        more = share * max(float(np.linalg.norm(self.value)), size) * (self.half_width > 0.0)
-        return Interval(self.value, self.half_width + more, self.expected + more, self.kind)
+        moves = self.half_width > 0.0
+        off = share * max(float(np.linalg.norm(self.value)), size) if moves.any() else 0.0
+        more = off * moves
+        return Interval(
+            self.value, self.half_width + more, self.expected + more, self.kind, self.common + off
+        )
 
 
 @dataclass
@@ -134,7 +142,9 @@ class Assessment:
             )
         for name, p in self.probes.items():
             wider = share * max(float(np.linalg.norm(p.value)), size) * (p.half_width > 0.0)
-            self.probes[name] = Interval(p.value, p.half_width + wider, p.expected + wider / MISSED, p.kind)
+            self.probes[name] = Interval(
+                p.value, p.half_width + wider, p.expected + wider / MISSED, p.kind, p.common
+            )
 
     def intersect(self, other: Assessment) -> None:
         """Narrow guaranteed intervals to what they have in common with those of the same quantities on another mesh."""

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.error.assessment import Interval
 from kshell.error.geometry_share import domed, share_of_chart, turn_between, turn_of_triangles
 from kshell.verify.cases import large_scenes
 from tests.plate.plates import EGG_LOAD, UNIT, disk, egg, ellipse, rectangle
@@ -300,3 +301,13 @@ def test_domes_are_known_from_saddles_and_tubes() -> None:
     assert cubic[0] > 20 * cubic[1] > 0.0
     assert (cubic > 20 * quartic).all()
     assert (quartic > 0.0).all()
+
+
+def test_a_share_of_a_displacement_is_the_size_of_a_vector() -> None:
+    """Of no more than itself, whichever way it points; what does not move stays."""
+    value, half_width = np.array([1.0, 2.0, 2.0]), np.array([0.03, 0.04, 0.0])
+    interval = Interval(value, half_width, half_width, "estimated").widened(0.1)
+    assert interval.half_width == pytest.approx([0.33, 0.34, 0.0])
+    assert interval.relative == pytest.approx(0.05 / 3.0 + 0.1)
+    assert interval.widened(0.2).relative == pytest.approx(0.05 / 3.0 + 0.3)
+    assert Interval(value, 0.0 * value, 0.0 * value, "estimated").widened(0.1).relative == 0.0
