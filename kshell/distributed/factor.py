@@ -44,6 +44,7 @@ class Mumps(Shared):
 
     def __init__(self, team: Team, reduction: Reduction, share: Share, symmetric: bool) -> None:
         super().__init__(team)
+        free_dropped(team)
         self.symmetric = symmetric
         basis = Basis(team, reduction, share)
         self.numbering = Numbering(team, basis.free.owner)
@@ -129,6 +130,15 @@ class Mumps(Shared):
             return out
 
         return own.collect(mine)
+
+
+def free_dropped(team: Team) -> None:
+    """Free what PETSc keeps of factors and matrices that no process holds any more: it waits to be told by all."""
+    from petsc4py import PETSc
+
+    cleanup = getattr(PETSc, "garbage_cleanup", None)  # older ones free at once
+    if cleanup is not None:
+        cleanup(team.communicator)
 
 
 class PetscFactoriser:

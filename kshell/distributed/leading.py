@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from kshell.distributed.calls import END
+from kshell.distributed.factor import NAME
 from kshell.distributed.saving import save_pieces
 from kshell.distributed.team import Team, sendable
 from kshell.errors import Interrupted, SolveError
@@ -85,12 +86,14 @@ def answered(team: Team, read: Callable[[], Mesh], work: Callable[[Callable[[], 
 def _finished(team: Team, result: Result) -> Result:
     """A result with what it took, which needs the others no more but to be written."""
     memory = team.calls.run(largest_memory, team)
-    for one in {id(r): r for r in (result, *result.cases.values())}.values():
-        one.solver |= {"processes": team.size, "peak_memory_mb": memory}
-        if one.solver.get("name") == "direct":
-            one.solver["name"] = "PETSc (MUMPS)"
     _lasting(team, result)
+    for one in _with_cases(result):
+        one.solver["peak_memory_mb"] = memory
     return result
+
+
+def _with_cases(result: Result) -> list[Result]:
+    return [*{id(one): one for one in (result, *result.cases.values())}.values()]
 
 
 def largest_memory(team: Team) -> float:
@@ -101,8 +104,11 @@ def largest_memory(team: Team) -> float:
 def _lasting(team: Team, result: Any) -> None:
     """Find what still needs all processes, and let the result be written by them."""
     if isinstance(result, Result):
-        for one in (result, *result.cases.values()):
+        for one in _with_cases(result):
             one.series = [(factor, partial(_known, make())) for factor, make in one.series]
+            one.solver["processes"] = team.size
+            if one.solver.get("name") == "direct":
+                one.solver["name"] = NAME
         _with_writer(team, result)
 
 

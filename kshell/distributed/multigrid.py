@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.distributed.factor import NAME, whole_reduction
+from kshell.distributed.factor import NAME, free_dropped, whole_reduction
 from kshell.distributed.matrix import Scattered
 from kshell.distributed.numbering import Assembled, Basis, Numbering
 from kshell.distributed.prepared import PetscFactorisation
@@ -55,6 +55,7 @@ class PetscMultigrid(Multigrid):
     def _build(self, chain: list[Any]) -> None:
         from petsc4py import PETSc
 
+        free_dropped(self.matrix.team)
         team, terms, share = self.matrix.team, self.matrix.terms, self.matrix.share
         basis = Basis(team, whole_reduction(self.matrix.shape[0]), share)
         self._fine = here = Numbering(team, basis.free.owner)
