@@ -25,6 +25,7 @@ from kshell.scene.structure import Placed, Structure
 from kshell.scene.supports import Elastic, Hinge, RigidLink, Support
 from kshell.scene.thermal import couples
 from kshell.shell.limits import THINNEST, USE_KOITER
+from kshell.shell.reference import LARGEST_ORDER
 from kshell.solvers.memory import SHARE, available_bytes
 from kshell.values.varying import is_constant
 
@@ -35,7 +36,6 @@ DERIVATIVES = 2  # of charts, which Argyris elements look at
 # order of HHJ plates up to so many triangles: few elements of a high order cost least where the deflection is smooth,
 # meshes of many are graded toward what is not
 HHJ_ORDERS = ((6, 200.0), (5, 2000.0), (4, 20000.0), (3, np.inf))
-LARGEST_KOITER = 4
 # peak memory of a solve with cubics, in bytes per triangle, measured at 5,000 and 10,000 triangles with a reserve
 CUBICS_BYTES = 180e3
 
@@ -258,9 +258,9 @@ def _size_on_chart(structure: Structure) -> float:
 
 def _order(structure: Structure, options: SolveOptions) -> tuple[int, str]:
     if options.order != "auto":
-        if options.order > LARGEST_KOITER:
+        if options.order > LARGEST_ORDER:
             raise InputError(
-                f"order = {options.order}: the Koiter element of shells has orders up to {LARGEST_KOITER}; higher ones "
+                f"order = {options.order}: the Koiter element of shells has orders up to {LARGEST_ORDER}; higher ones "
                 'are those of plates, element = "hhj"'
             )
         return options.order, f"order {options.order}: as asked for"

@@ -27,6 +27,7 @@ from kshell.elements.reference import VERTICES, DualBasis, monomials
 
 Floats = NDArray[np.float64]
 
+LARGEST_ORDER = 6  # of Koiter elements: tables of monomials are good to 1e-12 there
 # walked counterclockwise; numbered as the edges of kshell.mesh.Mesh
 EDGES = ((0, 1), (1, 2), (2, 0))
 # a symmetric tensor is the list of its components 11, 22, 12; contractions count the last one twice
@@ -179,9 +180,9 @@ def regge_interpolation(degree: int) -> tuple[Floats, Floats]:
     return points, np.linalg.solve(square, rows.reshape(len(rows), -1)).reshape(rows.shape)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=LARGEST_ORDER)
 def reference_triangle(order: int) -> ReferenceTriangle:
-    """The tables of an order from 1 to 4."""
+    """The tables of an order from 1 to `LARGEST_ORDER`."""
     points, weights = triangle_rule(2 * order)
     edge_points, edge_weights, tangents = edge_quadrature(order)
     normal = np.stack([tangents[:, 1], -tangents[:, 0]])

@@ -118,7 +118,7 @@ def test_refusals():
         ks.solve(made, element="hhj", model="shell")
     with pytest.raises(ks.InputError, match="large_deflection"):
         ks.solve(made, element="hhj", large_deflection=True)
-    with pytest.raises(ks.InputError, match="orders up to 4"):
+    with pytest.raises(ks.InputError, match="orders up to 6"):
         ks.solve(made, element="koiter", order=7)
     with pytest.raises(ks.InputError, match="surface is held"):
         ks.solve(scene([ks.Clamped("plate")], load, n=2), element="hhj")

@@ -1,11 +1,16 @@
-"""Koiter elements of order 4 on charts: Scordelis-Lo roof against cubics, estimate of the error, large deflections."""
+"""Koiter elements of orders 4 to 6: Scordelis-Lo roof against cubics, estimate of the error, large deflections."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.shell.koiter.model import moved_mesh
+from kshell.shell.koiter.surface import Surface
+from kshell.shell.reference import lagrange
 
 
 def roof(n: int) -> ks.Scene:
@@ -41,6 +46,32 @@ def test_quartics_converge_faster_than_cubics():
     assert found.probe("p")["u"][2] == pytest.approx(DEFLECTION, rel=1e-7)
 
 
+@pytest.mark.parametrize(("order", "energy", "deflection"), [(5, 1e-5, 2e-6), (6, 3e-7, 1e-7)])
+def test_higher_orders_need_eight_triangles(order, energy, deflection):
+    found = ks.solve(roof(2), element="koiter", order=order, large_deflection=False)
+    assert abs(found.strain_energy / ENERGY - 1) < energy
+    off = abs(found.probe("p")["u"][2] / DEFLECTION - 1)
+    assert off < deflection
+    assert off * abs(DEFLECTION) < found.error["probes"]["p"]["u"]["half_width"][2]
+    assert found.balance < 1e-9
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4, 5, 6])
+def test_middles_of_edges_move_as_the_polynomial_does(order):
+    mesh = ks.geometry.Cylinder(1.0).mesh(1, 1, u_range=(0, 1), v_range=(0, 1))
+    mesh = (
+        mesh if mesh.midpoints is not None else replace(mesh, midpoints=mesh.points[mesh.edges].mean(axis=1))
+    )
+    surface = Surface(mesh, order)
+    offsets = 0.01 * np.random.default_rng(0).standard_normal(surface.nodes.shape)
+    moved = moved_mesh(mesh, order, offsets)
+    assert moved.points == pytest.approx(mesh.points + offsets[: len(mesh.points)], abs=1e-15)
+    shape = lagrange(order, np.array([[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]]))
+    middles = np.einsum("ek,tkx->tex", shape, offsets[surface.triangle_nodes])
+    where = mesh.triangle_edges
+    assert moved.midpoints[where] == pytest.approx(mesh.midpoints[where] + middles, abs=1e-13)
+
+
 def test_the_estimate_holds_the_error():
     found = ks.solve(roof(2), element="koiter", order=4, large_deflection=False)
     half = found.error["probes"]["p"]["u"]["half_width"][2]
@@ -49,8 +80,9 @@ def test_the_estimate_holds_the_error():
 
 
 def test_large_deflections_agree_with_cubics():
-    cubic, quartic = (
-        ks.solve(roof(4), element="koiter", order=order, large_deflection=True, error="off")
-        for order in (3, 4)
+    cubic, quartic, sixth = (
+        ks.solve(roof(n), element="koiter", order=order, large_deflection=True, error="off")
+        for n, order in ((4, 3), (4, 4), (2, 6))
     )
+    assert sixth.probe("p")["u"] == pytest.approx(quartic.probe("p")["u"], rel=1e-5, abs=1e-12)
     assert quartic.probe("p")["u"] == pytest.approx(cubic.probe("p")["u"], rel=2e-4, abs=1e-12)

@@ -63,7 +63,8 @@ class KoiterDiscretisation(Discretisation):
     ----------
     mesh : Mesh
         In space, or in the parameter plane of a chart.
-    order : 1, 2, 3 or 4
+    order : int
+        From 1 to 6.
     lift : function or None
         From parameters to the chart.
     hinges : (n,) int array

@@ -28,7 +28,8 @@ class KoiterModel(ShellModel):
     Parameters
     ----------
     structure : Structure
-    order : 1, 2, 3 or 4
+    order : int
+        From 1 to 6.
     reasons : sequence of str
         Why this model.
     offsets : (node, 3), optional
@@ -92,11 +93,9 @@ def moved_mesh(mesh: Mesh, order: int, offsets: Floats) -> Mesh:
         return replace(mesh, points=points)
     ends = offsets[:count][mesh.edges].sum(axis=1)
     inner = offsets[count : count + (order - 1) * edges].reshape(edges, order - 1, 3)
-    # the polynomial of the edge at its middle
-    if order == 1:
-        middle = 0.5 * ends
-    elif order == 3:
-        middle = (9 * inner.sum(axis=1) - ends) / 16
-    else:
-        middle = inner[:, order // 2 - 1]
+    # the polynomial of the edge at its middle, alike in both directions
+    at = np.arange(order + 1)
+    others = (0.5 * order - at) / np.where(np.eye(order + 1, dtype=bool), 1.0, at[:, None] - at)
+    weights = np.prod(np.where(np.eye(order + 1, dtype=bool), 1.0, others), axis=1)
+    middle = weights[0] * ends + np.einsum("k,ekx->ex", weights[1:-1], inner)
     return replace(mesh, points=points, midpoints=mesh.midpoints + middle)

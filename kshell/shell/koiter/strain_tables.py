@@ -123,5 +123,5 @@ class StrainTables:
 
 @lru_cache(maxsize=4)
 def strain_tables(order: int) -> StrainTables:
-    """The tables of an order from 1 to 4."""
+    """The tables of an order from 1 to 6."""
     return StrainTables(reference_triangle(order))

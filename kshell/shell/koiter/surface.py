@@ -14,6 +14,7 @@ from kshell.mesh.higher import higher_nodes, order_of
 from kshell.mesh.mesh import Mesh
 from kshell.shell.koiter.numbering import NumberedMesh
 from kshell.shell.reference import (
+    LARGEST_ORDER,
     ReferenceTriangle,
     first_derivatives,
     lagrange,
@@ -33,7 +34,7 @@ class Surface(NumberedMesh):
     mesh : Mesh
         Its nodes give the curved geometry: vertices, mid-edge nodes, and those of order 3 and 4.
     order : int
-        1, 2, 3 or 4.
+        From 1 to `LARGEST_ORDER`.
     lift : callable, optional
         Takes points (n, 3) of the mesh to the surface (n, 3): a chart of a mesh that lies in its
         parameter plane, or a projection onto the exact surface.
@@ -51,7 +52,7 @@ class Surface(NumberedMesh):
     Raises
     ------
     InputError
-        If the order is not 1, 2, 3 or 4, or a triangle is degenerate or folds onto itself.
+        If there is no such order, or a triangle is degenerate or folds onto itself.
     """
 
     def __init__(
@@ -62,8 +63,8 @@ class Surface(NumberedMesh):
         hinges: ArrayLike = (),
         offsets: Floats | None = None,
     ) -> None:
-        if order not in (1, 2, 3, 4):
-            raise InputError(f"shell elements have order 1, 2, 3 or 4, not {order}")
+        if not 1 <= order <= LARGEST_ORDER:
+            raise InputError(f"shell elements have order 1 to {LARGEST_ORDER}, not {order}")
         super().__init__(mesh, order, hinges)
         self.reference: ReferenceTriangle = reference_triangle(order)
         self.flat_nodes = self._flat_nodes()
