@@ -1,8 +1,6 @@
 """The compiled loops make what those of numpy make, number by number."""
 
-import os
 import runpy
-import subprocess
 import sys
 from pathlib import Path
 
@@ -115,13 +113,19 @@ def test_matrices_of_plates(monkeypatch, element):
     np.testing.assert_allclose(fast.data, slow.data, rtol=1e-14, atol=1e-14 * np.abs(slow.data).max())
 
 
-def test_they_can_be_left_out():
-    program = "from kshell.solvers.kernels import which; print(which())"
-    environment = {**os.environ, kernels.VARIABLE: "0", "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        [sys.executable, "-c", program], env=environment, capture_output=True, encoding="utf-8", check=True
-    )
-    assert done.stdout.split() == ["numpy"]
+def test_they_can_be_left_out(monkeypatch):
+    monkeypatch.setenv(kernels.VARIABLE, "0")
+    assert kernels._loaded() is None
+    monkeypatch.setattr(kernels, "compiled", None)
+    assert kernels.which() == "numpy"
+
+
+@built
+def test_what_an_older_installation_left_is_not_used(monkeypatch):
+    monkeypatch.delenv(kernels.VARIABLE, raising=False)
+    assert kernels._loaded() is not None
+    monkeypatch.setattr(kernels, "VERSION", 0)
+    assert kernels._loaded() is None
 
 
 def test_an_installation_does_without_a_compiler(monkeypatch):
