@@ -27,6 +27,8 @@ from kshell.solvers.critical import CriticalPencil, factors
 
 Floats = NDArray[np.float64]
 
+# order of membrane forces on a finer mesh, whose triangles are a quarter as large at most
+LOWER = 2
 # orders of moments in equilibrium with uniform membrane forces, and with quadratic ones
 UNIFORM_ORDER, QUADRATIC_ORDER = 6, 8
 
@@ -80,7 +82,10 @@ def _other(stage: Stage, grows: Sequence[float], count: int) -> Stage:
     argyris = model.element == "argyris"
     structure = finer(run.structure, run) if argyris else run.structure
     other = PlateModel(bending_only(structure), "morley" if argyris else "argyris")
-    membrane = stage.state.membrane.uniform or membrane_state(structure, grows[:-1], grows[-1])
+    membrane = stage.state.membrane.uniform
+    if membrane is None:
+        order = LOWER if structure is not run.structure else ORDER
+        membrane = membrane_state(structure, grows[:-1], grows[-1], order)
     pencil = CriticalPencil(other.stiffness(), plate_geometric(other, membrane))
     return Stage(run, other, pencil, factors(pencil, count), membrane)
 

@@ -106,7 +106,7 @@ class MembraneState(NamedTuple):
         xy = straight.corners[:, None, 0] + xi @ np.swapaxes(straight.jacobian, 1, 2)
         out = xi.copy()
         for _ in range(STEPS):
-            shape = lagrange(ORDER, out.reshape(-1, 2)).reshape(*out.shape[:2], -1)
+            shape = lagrange(self.model.order, out.reshape(-1, 2)).reshape(*out.shape[:2], -1)
             miss = xy - shape @ corners
             out = out + (straight.inverse[:, None] @ miss[..., None])[..., 0]
         return out
