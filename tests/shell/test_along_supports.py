@@ -99,3 +99,42 @@ def test_argyris_on_a_chart_says_that_it_knows_resultants_only():
     result = ks.solve(scene, element="argyris", error="off", large_deflection=False)
     with pytest.raises(ks.SolveError, match="not of Argyris shells"):
         result.reaction_along("left")
+
+
+def test_a_sheet_that_stands_on_a_line_has_its_force_at_a_vertex():
+    """Tension of a web that ends in one vertex of the held edge of a plate."""
+    n = 4
+    x, y = (
+        part.ravel()
+        for part in np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1), indexing="ij")
+    )
+    plate = np.stack([x, y, 0 * x], axis=1)
+    row = np.linspace(0, 1, n + 1)
+    web = np.stack([row, np.full(n + 1, 0.5), np.full(n + 1, 0.3)], axis=1)
+    i, j = (part.ravel() for part in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    a = i * (n + 1) + j
+    faces = [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
+    flat = np.concatenate([np.stack(part, axis=1) for part in faces])
+    foot, top = np.arange(n + 1) * (n + 1) + n // 2, len(plate) + np.arange(n + 1)
+    upright = np.concatenate(
+        [np.stack([foot[:-1], foot[1:], top[1:]], axis=1), np.stack([foot[:-1], top[1:], top[:-1]], axis=1)]
+    )
+    left = np.stack([np.arange(n), np.arange(n) + 1], axis=1)
+    mesh = ks.Mesh.from_arrays(
+        np.concatenate([plate, web]),
+        np.concatenate([flat, upright]),
+        {"left": left, "crown": np.array([[top[-2], top[-1]]]), "end": np.array([[foot[-1], top[-1]]])},
+    )
+    scene = ks.Scene(
+        mesh=mesh,
+        thickness=0.1,
+        material=ks.Isotropic(**UNIT),
+        supports=[ks.SimplySupported("left"), ks.Fixed("crown", "yz")],
+        loads=[ks.LineForce("end", (1.0, 0, 0))],
+    )
+    result = ks.solve(scene, large_deflection=False, error="off")
+    found = result.reaction_along("left")
+    assert len(np.unique(found["line"])) == 2
+    middle = next(end["force"] for end in found["ends"] if np.allclose(end["at"], (0, 0.5, 0)))
+    assert middle[0] < -0.02
+    assert found["resultant"]["force"] == pytest.approx(result.reactions["left"]["force"], abs=1e-8)
