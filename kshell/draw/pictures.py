@@ -61,10 +61,11 @@ def _of_analysis(result: Result) -> tuple[str, ...]:
         return ("response", "mesh")
     if result.analysis in MODAL:
         return ("modes", *(f"mode_{number}" for number in range(1, len(result.eigen) + 1)), "mesh")
-    if result.model.get("kind") != "shell":
-        return tuple(name for name in PICTURES if name not in FIELDS or FIELDS[name][0] in result.fields)
-    path = ("load_deflection",) if result.path and result.probes else ()
     motion = ("history", "film") if result.history else ()
+    if result.model.get("kind") != "shell":
+        shown = (name for name, (values, _, _) in FIELDS.items() if values in result.fields)
+        return (*shown, *motion, "mesh")
+    path = ("load_deflection",) if result.path and result.probes else ()
     shown = (name for name, (values, _, _) in SHELL_FIELDS.items() if values in result.fields)
     return (*shown, *path, *motion, "mesh")
 

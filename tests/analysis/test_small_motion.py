@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.draw.pictures import pictures
 from kshell.verify.cases import large_scenes
 from tests.plate.plates import disk, rectangle
 
@@ -321,3 +322,14 @@ def test_what_small_motions_are_not_for():
 def test_deflections_that_are_not_small_are_told():
     with pytest.warns(ks.KshellWarning, match="times the thickness"):
         ks.simulate(plate(loads=[ks.Pressure(100.0)]), time=PERIOD)
+
+
+def test_what_is_written(tmp_path):
+    """History as a table and a picture, a series of states."""
+    result = ks.simulate(plate(initial_velocity=MODE), time=PERIOD / 5, output=2)
+    result.save(tmp_path)
+    lines = (tmp_path / "history.csv").read_text().splitlines()
+    assert len(lines) == len(result.history["time"]) + 1
+    assert (tmp_path / "series.pvd").read_text().count("step-") == len(result.series) == 3
+    assert (tmp_path / "history.png").stat().st_size > 1000
+    assert {"history", "film"} <= set(pictures(result))

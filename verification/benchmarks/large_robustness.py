@@ -10,24 +10,18 @@ A run is sound if its files can be read and hold finite numbers only, and its st
 
 from __future__ import annotations
 
-import collections
-import json
-import signal
 import sys
-import tempfile
-import time
-import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 
 import kshell as ks
 from kshell.verify.cases.large_scenes import rectangle
+from verification.benchmarks.random_runs import finished, read_back, table
 
-# CPU time after which a run is interrupted, as by Ctrl-C: it must still leave its last good state
+# CPU time after which a run is interrupted
 SECONDS = 60
 SHAPES = ("strip", "cap", "roof", "box")
 
@@ -96,32 +90,10 @@ def _times(value: Any, factor: float) -> Any:
     return value * factor if np.isscalar(value) else tuple(float(v) * factor for v in value)
 
 
-def run(seed: int, folder: Path, seconds: float = SECONDS) -> tuple[str, str, ks.Result, float]:
-    """Solve and save: shape, outcome, the result or that of the last good state, and the CPU seconds it took."""
-    shape, scene = random_scene(seed)
-    begin = time.process_time()
-    signal.signal(signal.SIGVTALRM, signal.default_int_handler)
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
-    try:
-        result, outcome = ks.solve(scene), "converged"
-    except ks.SolveError as error:
-        result, outcome = error.state, f"stopped: {error}"
-    except KeyboardInterrupt as error:
-        result, outcome = getattr(error, "state", None), "out of time"
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
-    took = time.process_time() - begin
-    result.save(folder)
-    return shape, outcome, result, took
-
-
 def sound(result: ks.Result, folder: Path) -> bool:
     """Whether the files can be read and hold finite numbers only, and the state is in equilibrium."""
-    json.loads(
-        (folder / "result.json").read_text(encoding="utf-8"), parse_constant=float.fromhex
-    )  # NaN is no number
-    fields = meshio.read(folder / "result.vtu").point_data
-    return all(np.isfinite(values).all() for values in fields.values()) and result.balance < 1e-3
+    _, finite = read_back(folder)
+    return finite and result.balance < 1e-3
 
 
 HEAD = (
@@ -130,35 +102,21 @@ HEAD = (
 )
 
 
-def row(seed: int, shape: str, outcome: str, result: ks.Result, took: float) -> str:
-    """One line of the table."""
-    scene, solver = result.scene, result.solver
-    assert scene is not None
+def one(seed: int, folder: Path) -> tuple[str, str, float]:
+    """A line of the table without its end, the outcome and the CPU seconds."""
+    shape, scene = random_scene(seed)
+    outcome, result, took = finished(scene, folder, SECONDS)
+    assert result is not None
+    outcome = outcome if sound(result, folder) else f"NOT SOUND, {outcome}"
     load = type(scene.loads[0]).__name__ + (", follower" if _follows(scene) else "")
-    return (
+    solver = result.solver
+    row = (
         f"| {seed} | {shape} | {result.unknowns} | {load} | {scene.solve.analysis} | {solver['steps']} | "
-        f"{solver['iterations']} | {len(result.critical)} | {result.path[-1]['factor']:.4g} | {result.balance:.0e} | "
-        f"{took:.1f} | {outcome} |"
+        f"{solver['iterations']} | {len(result.critical)} | {result.path[-1]['factor']:.4g} | {result.balance:.0e} |"
     )
-
-
-def main(first: int, last: int) -> None:
-    """Run the seeds from the first to before the last, and print the table and what came out."""
-    warnings.simplefilter("ignore")
-    outcomes: collections.Counter[str] = collections.Counter()
-    times = []
-    print(HEAD)
-    for seed in range(first, last):
-        with tempfile.TemporaryDirectory() as name:
-            shape, outcome, result, took = run(seed, Path(name))
-            if not sound(result, Path(name)):
-                outcome = f"NOT SOUND, {outcome}"
-        outcomes[outcome.split(":")[0]] += 1
-        times.append(took)
-        print(row(seed, shape, outcome, result, took), flush=True)
-    counts = ", ".join(f"{count} {word}" for word, count in sorted(outcomes.items()))
-    print(f"\n{counts}; CPU seconds: median {np.median(times):.2f}, largest {max(times):.1f}")
+    return row, "converged" if outcome == "ended" else outcome, took
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:3] or ("0", "200")))
+    print(HEAD)
+    table(*map(int, sys.argv[1:3] or ("0", "200")), one)

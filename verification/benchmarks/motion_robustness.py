@@ -13,24 +13,18 @@ than a tenth of the largest.
 
 from __future__ import annotations
 
-import collections
-import json
-import signal
 import sys
-import tempfile
-import time
-import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import meshio
 import numpy as np
 
 import kshell as ks
 from kshell.verify.cases.large_scenes import rectangle
+from verification.benchmarks.random_runs import finished, read_back, table
 
-# CPU time after which a run is interrupted, as by Ctrl-C: it must still leave its last good state
+# CPU time after which a run is interrupted
 SECONDS = 40
 SHAPES = ("strip", "cap", "roof", "tube", "pair")
 SCHEMES = ("auto", "alpha", "em", "bdf2", "euler")
@@ -134,36 +128,10 @@ def random_motion(seed: int) -> tuple[str, ks.Scene, bool]:
     return shape, scene, contact
 
 
-def run(seed: int, folder: Path, seconds: float = SECONDS) -> tuple[str, bool, str, ks.Result | None, float]:
-    """Solve and save: shape, whether with contact, outcome, the last good result, and the CPU seconds it took."""
-    shape, scene, contact = random_motion(seed)
-    begin = time.process_time()
-    signal.signal(signal.SIGVTALRM, signal.default_int_handler)
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
-    result: ks.Result | None
-    try:
-        result, outcome = ks.solve(scene), "ended"
-    except ks.InputError as error:
-        result, outcome = None, f"refused: {error}"
-    except ks.SolveError as error:
-        result, outcome = error.state, f"stopped: {error}"
-    except KeyboardInterrupt as error:
-        result, outcome = getattr(error, "state", None), "out of time"
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
-    took = time.process_time() - begin
-    if result is not None:
-        result.save(folder)
-    return shape, contact, outcome, result, took
-
-
 def faults(result: ks.Result, folder: Path) -> list[str]:
     """What is not sound, in words."""
-    out = []
-    found = json.loads((folder / "result.json").read_text(encoding="utf-8"), parse_constant=_no_number)
-    fields = meshio.read(folder / "result.vtu").point_data
-    if not all(np.isfinite(values).all() for values in fields.values()):
-        out.append("fields are not finite")
+    found, finite = read_back(folder)
+    out = [] if finite else ["fields are not finite"]
     history = found["history"]
     if min(history.get("smallest_gap", [1.0])) <= 0.0:
         out.append("surfaces meet")
@@ -176,46 +144,30 @@ def faults(result: ks.Result, folder: Path) -> list[str]:
     return out
 
 
-def _no_number(text: str) -> float:
-    raise ValueError(f"{text} in result.json")
-
-
 HEAD = (
     "| seed | shape | unknowns | contact | scheme | order | steps | rejected | iterations | t / end | balance "
     "| CPU s | outcome |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|"
 )
 
 
-def row(seed: int, shape: str, contact: bool, outcome: str, result: ks.Result | None, took: float) -> str:
-    """One line of the table."""
+def one(seed: int, folder: Path) -> tuple[str, str, float]:
+    """A line of the table without its end, the outcome and the CPU seconds."""
+    shape, scene, contact = random_motion(seed)
+    outcome, result, took = finished(scene, folder, SECONDS)
+    touching = "yes" if contact else "no"
     if result is None:
-        return f"| {seed} | {shape} | | {'yes' if contact else 'no'} | | | | | | | | {took:.1f} | {outcome} |"
-    assert result.scene is not None
-    options, solver = result.scene.solve, result.solver
-    return (
-        f"| {seed} | {shape} | {result.unknowns} | {'yes' if contact else 'no'} | {options.scheme} | {options.order} | "
+        return f"| {seed} | {shape} | | {touching} | | | | | | | |", outcome, took
+    wrong = faults(result, folder)
+    outcome = f"NOT SOUND ({'; '.join(wrong)}), {outcome}" if wrong else outcome
+    options, solver = scene.solve, result.solver
+    row = (
+        f"| {seed} | {shape} | {result.unknowns} | {touching} | {options.scheme} | {options.order} | "
         f"{solver['steps']} | {solver['rejected']} | {solver['iterations']} | "
-        f"{result.history['time'][-1] / options.time:.4g} | {result.balance:.0e} | {took:.1f} | {outcome} |"
+        f"{result.history['time'][-1] / options.time:.4g} | {result.balance:.0e} |"
     )
-
-
-def main(first: int, last: int) -> None:
-    """Run the seeds from the first to before the last, and print the table and what came out."""
-    warnings.simplefilter("ignore")
-    outcomes: collections.Counter[str] = collections.Counter()
-    times = []
-    print(HEAD)
-    for seed in range(first, last):
-        with tempfile.TemporaryDirectory() as name:
-            shape, contact, outcome, result, took = run(seed, Path(name))
-            wrong = [] if result is None else faults(result, Path(name))
-        outcome = f"NOT SOUND ({'; '.join(wrong)}), {outcome}" if wrong else outcome
-        outcomes[outcome.split(":")[0]] += 1
-        times.append(took)
-        print(row(seed, shape, contact, outcome, result, took), flush=True)
-    counts = ", ".join(f"{count} {word}" for word, count in sorted(outcomes.items()))
-    print(f"\n{counts}; CPU seconds: median {np.median(times):.2f}, largest {max(times):.1f}")
+    return row, outcome, took
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:3] or ("0", "200")))
+    print(HEAD)
+    table(*map(int, sys.argv[1:3] or ("0", "200")), one)
