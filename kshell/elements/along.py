@@ -53,7 +53,7 @@ class Chain:
 def chains(mesh: Mesh, edges: Ints, stops: NDArray[np.bool_]) -> list[Chain]:
     """Edges in chains that end where they branch or end, and at vertices of `stops` (vertex,).
 
-    A closed chain with one stop ends there on both sides. Each goes on from the one before where it can.
+    A closed chain with one stop ends there on both sides.
     """
     ends = mesh.edges[edges].astype(np.int64)
     degree = np.bincount(ends.ravel(), minlength=len(mesh.points))
@@ -65,7 +65,7 @@ def chains(mesh: Mesh, edges: Ints, stops: NDArray[np.bool_]) -> list[Chain]:
     used = np.zeros(len(edges), dtype=bool)
     out = []
 
-    def walk(v: int, k: int) -> int:
+    def walk(v: int, k: int) -> None:
         first, path, way = v, [v], []
         while not used[k]:
             used[k] = True
@@ -76,17 +76,11 @@ def chains(mesh: Mesh, edges: Ints, stops: NDArray[np.bool_]) -> list[Chain]:
                 break
             k = next(other for other in at[v] if other != k)
         out.append(Chain(np.array(way, dtype=np.int64), np.array(path, dtype=np.int64)))
-        return v
 
-    for start in sorted((v for v in at if stop[v]), key=lambda v: (degree[v] != 1, v)):
-        v, onward = start, [k for k in at[start] if not used[k]]
-        while onward:
-            v = walk(v, onward[0])
-            onward = [k for k in at[v] if not used[k]]
-    for start in (v for v in at if stop[v]):  # what was passed by
-        for k in at[start]:
+    for v in sorted(v for v in at if stop[v]):
+        for k in at[v]:
             if not used[k]:
-                walk(start, k)
+                walk(v, k)
     for k in range(len(edges)):
         if not used[k]:
             walk(int(ends[k, 0]), k)

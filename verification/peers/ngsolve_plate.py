@@ -4,7 +4,7 @@
 
 Arrays of a mesh: points (vertex, 2), triangles (triangle, 3), edges (boundary edge, 2). Of the job: element, the order;
 kind, clamped or supported; place (x, y), where w and M_xx are read; round, for the unit disk: a mesh of Netgen's own,
-of the same mean size, follows the circle. Bending stiffness 1, nu = 0.3, pressure 1.
+of the same mean size, follows the circle; load, the pressure as an expression of x and y. Stiffness 1, nu = 0.3.
 
 Symbols (Comodi 1989; Neunteufel & Schoeberl, arXiv:2304.13806)
 -------
@@ -23,6 +23,7 @@ import numpy as np
 from job import run
 
 NU = 0.3
+BEYOND = 6  # degree of loads that are integrated exactly
 BESIDE = 1e-9  # moments jump between elements: the mean of four values beside the point is taken
 
 
@@ -72,7 +73,11 @@ def solve(arrays: dict[str, Any], job: dict[str, Any]) -> Any:
     turn, virtual = (ng.grad(w) - h) * n, (ng.grad(dw) - dh) * n
     form += -(n * (m * n) * virtual + n * (dm * n) * turn) * ng.dx(element_boundary=True)
     form.Assemble()
-    load = ng.LinearForm(dw * ng.dx).Assemble().vec
+    if job["load"] == "1":
+        load = ng.LinearForm(dw * ng.dx).Assemble().vec
+    else:
+        pressure = eval(job["load"], {"x": ng.x, "y": ng.y, "exp": ng.exp, "cos": ng.cos})
+        load = ng.LinearForm(pressure * dw * ng.dx(bonus_intorder=BEYOND)).Assemble().vec
     free = space.FreeDofs(True)
     inverse = form.mat.Inverse(free, inverse="sparsecholesky")
     solution = ng.GridFunction(space)

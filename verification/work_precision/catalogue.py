@@ -5,7 +5,7 @@ from __future__ import annotations
 from kshell.verify.cases import find, meshes
 from verification.work_precision.problems import PlateComparison, Reference, ShellComparison
 
-LAYERS = 16  # of the triangles around the corner of the L-shape
+LAYERS, FINE_LAYERS = 16, 24  # of the triangles around the corner of the L-shape
 
 # NGSolve on a mesh graded by 22 layers, orders 6 to 9: 5.5915668, 5.5915269, 5.5915182, 5.5915163e-5 and so on;
 # Argyris stays below, as it must
@@ -13,6 +13,14 @@ L_SHAPE = {
     "compliance": Reference(5.5915158e-5, 3e-7),
     "w": Reference(1.9557138e-4, 3e-7),
     "M": Reference(7.4942854e-3, 3e-7),
+}
+# guaranteed: intervals of `kshell.solve` to tolerances of 1e-10 and 1e-9
+L_SHAPE_FINE = {"compliance": Reference(5.59151573677e-5, 3e-11), "w": Reference(1.955713730e-4, 7e-10)}
+# HHJ of orders 8 to 12 on five meshes
+DISK_OFF_CENTRE = {
+    "compliance": Reference(0.0252904646033136, 1e-14),
+    "w": Reference(0.029348917647219, 1e-14),
+    "M": Reference(0.113636398397271, 5e-14),
 }
 
 
@@ -23,6 +31,14 @@ def _known(case: str, **names: str) -> dict[str, Reference]:
 
 
 SQUARE = _known("ssss.uniform.ba1", compliance="compliance", w="w_c", M="Mx_c")
+
+_HHJ_DISK = {
+    "kshell HHJ, order 3": (1, 2, 4, 8),
+    "kshell HHJ, order 4": (1, 2, 4, 8),
+    "kshell HHJ, order 5": (1, 2, 4, 8),
+    "kshell HHJ, order 6": (1, 2, 4, 8),
+    "kshell HHJ, order 8": (1, 2, 4),
+}
 
 PLATES = (
     PlateComparison(
@@ -38,8 +54,10 @@ PLATES = (
             "kshell Koiter p = 2": (4, 8, 16),
             "kshell Koiter p = 3": (4, 8, 16),
             "kshell HHJ, order 3": (2, 4, 8),
-            "kshell HHJ, order 4": (2, 4, 8, 16),
+            "kshell HHJ, order 4": (1, 2, 4, 8, 16),
+            "kshell HHJ, order 5": (1, 2, 4, 8),
             "kshell HHJ, order 6": (1, 2, 4, 8),
+            "kshell HHJ, order 7": (1, 2, 4, 8),
             "kshell HHJ, order 8": (1, 2, 4, 8),
             "scikit-fem Argyris": (4, 8, 16),
             "scikit-fem Morley": (8, 16, 32),
@@ -70,7 +88,9 @@ PLATES = (
             "kshell Morley": (8, 16, 32, 64),
             "kshell Morley, multigrid": (16, 32, 64),
             "kshell Koiter p = 3": (4, 8, 16),
+            "kshell HHJ, order 3": (2, 4, 8),
             "kshell HHJ, order 4": (2, 4, 8, 16),
+            "kshell HHJ, order 5": (2, 4, 8),
             "kshell HHJ, order 6": (2, 4, 8),
             "kshell HHJ, order 8": (2, 4, 8),
             "scikit-fem Argyris": (4, 8),
@@ -89,6 +109,22 @@ PLATES = (
         (0.25, 0.25),
     ),
     PlateComparison(
+        "l_shape_fine",
+        "The same with more and finer layers, for the last digits",
+        L_SHAPE_FINE,
+        {
+            "kshell HHJ, order 8": (4, 6, 8),
+            "kshell HHJ, order 10": (4, 6, 8),
+            "kshell HHJ, order 12": (4, 6, 8, 10),
+            "NGSolve plate, order 8": (4, 6, 8),
+            "NGSolve plate, order 10": (4, 6, 8),
+            "NGSolve plate, order 12": (4, 6, 8, 10),
+        },
+        "clamped",
+        lambda n: meshes.l_shape(n, FINE_LAYERS),
+        (0.25, 0.25),
+    ),
+    PlateComparison(
         "disk",
         "Simply supported disk (curved edge; NGSolve on its own meshes)",
         _known("disk.ss.uniform", compliance="compliance", w="w_c", M="M_c"),
@@ -99,6 +135,7 @@ PLATES = (
             "kshell Koiter p = 1": (4, 8, 16),
             "kshell Koiter p = 2": (2, 4, 8, 16),
             "kshell Koiter p = 3": (2, 4, 8, 16),
+            **_HHJ_DISK,
             "NGSolve plate, order 2": (2, 4, 8, 16),
             "NGSolve plate, order 3": (2, 4, 8, 16),
             "NGSolve plate, order 4": (1, 2, 4, 8),
@@ -111,6 +148,26 @@ PLATES = (
         "supported",
         lambda n: meshes.ellipse(n, order=2),
         (0.0, 0.0),
+    ),
+    PlateComparison(
+        "disk_off_centre",
+        "The same disk under exp(x) cos(3 y), read at (0.3, 0.2)",
+        DISK_OFF_CENTRE,
+        {
+            "kshell Argyris": (1, 2, 4, 8, 16),
+            **_HHJ_DISK,
+            "NGSolve plate, order 2": (2, 4, 8, 16),
+            "NGSolve plate, order 3": (2, 4, 8, 16),
+            "NGSolve plate, order 4": (1, 2, 4, 8),
+            "NGSolve plate, order 5": (1, 2, 4, 8),
+            "NGSolve plate, order 6": (1, 2, 4, 8),
+            "NGSolve plate, order 7": (1, 2, 4),
+            "NGSolve plate, order 8": (1, 2, 4),
+        },
+        "supported",
+        lambda n: meshes.ellipse(n, order=2),
+        (0.3, 0.2),
+        "exp(x)*cos(3*y)",
     ),
     PlateComparison(
         "large",

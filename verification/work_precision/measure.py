@@ -25,6 +25,9 @@ REPOSITORY = Path(__file__).parents[2]
 DRIVERS = Path(verification.peers.__file__).parent
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 REPEATS, PATIENCE = 3, 0.3  # three times, once where it takes longer
+ROUNDS = (
+    2  # of all programs in turn: the least seconds count, so that no program meets the worse minutes alone
+)
 LONGEST = 4.0  # finer meshes of a method are left out behind that
 LIMIT = 150  # CPU seconds of a process
 # what must be there: a module of Python or a program
@@ -126,13 +129,19 @@ def run_all(comparisons: Sequence[Comparison], peers_python: str | None) -> Iter
     with tempfile.TemporaryDirectory() as folder:
         for comparison in comparisons:
             drivers = dict.fromkeys((METHODS[name].program, METHODS[name].driver) for name in comparison.plan)
-            for driver in drivers:
-                names = [
-                    name
-                    for name in comparison.plan
-                    if (METHODS[name].program, METHODS[name].driver) == driver
-                ]
-                yield from rows_of(comparison, names, peers_python, Path(folder))
+            best: dict[tuple[str, int], dict[str, Any]] = {}
+            for _ in range(ROUNDS):
+                for driver in drivers:
+                    names = [
+                        name
+                        for name in comparison.plan
+                        if (METHODS[name].program, METHODS[name].driver) == driver
+                    ]
+                    for row in rows_of(comparison, names, peers_python, Path(folder)):
+                        known = best.setdefault((row["method"], row["cells"]), row)
+                        if row["seconds"] < known["seconds"] or not known["unknowns"]:
+                            best[row["method"], row["cells"]] = row
+            yield from best.values()
 
 
 def _nothing(comparison: Comparison, method: Method, count: int, why: str) -> dict[str, Any]:

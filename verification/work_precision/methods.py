@@ -47,7 +47,7 @@ METHODS = {
         _kshell("Argyris, multigrid", "argyris", MULTIGRID),
         _kshell("Morley", "morley"),
         _kshell("Morley, multigrid", "morley", MULTIGRID),
-        *(_kshell(f"HHJ, order {p}", f"hhj {p}") for p in (3, 4, 6, 8)),
+        *(_kshell(f"HHJ, order {p}", f"hhj {p}") for p in (3, 4, 5, 6, 7, 8, 10, 12)),
         _kshell("Koiter p = 1", "koiter 1"),
         _kshell("Koiter p = 2", "koiter 2"),
         _kshell("Koiter p = 3", "koiter 3"),
@@ -56,7 +56,7 @@ METHODS = {
         _kshell("Koiter p = 3, bare", "koiter 3", BARE),
         *(
             Method(f"NGSolve plate, order {p}", "NGSolve", "ngsolve_plate.py", str(p), "plane")
-            for p in (2, 3, 4, 5, 6, 7, 8)
+            for p in (2, 3, 4, 5, 6, 7, 8, 10, 12)
         ),
         *(
             Method(f"NGSolve shell, order {p}", "NGSolve", "ngsolve_shell.py", str(p), "count")

@@ -56,18 +56,20 @@ class Comparison:
 
 @dataclass(frozen=True)
 class PlateComparison(Comparison):
-    """A plate of bending stiffness 1, nu = 0.3, under the pressure 1, all edges alike.
+    """A plate of bending stiffness 1, nu = 0.3, under a pressure, all edges alike.
 
     Attributes
     ----------
     kind : "clamped" or "supported"
     build : function of the cells per side
     place : point where w and M_xx are read
+    load : the pressure, an expression of x and y that NGSolve and kshell understand
     """
 
     kind: str
     build: Callable[[int], ks.Mesh]
     place: tuple[float, float]
+    load: str = "1"
 
     def facts(self, program: str) -> dict[str, Any]:
         """What the driver of a program is told."""
@@ -76,6 +78,7 @@ class PlateComparison(Comparison):
             "problem": self.id,
             "kind": self.kind,
             "place": list(self.place),
+            "load": self.load,
             "round": self.build(1).midpoints is not None,
             "material": material,
             "steps": 0,
@@ -93,7 +96,9 @@ class PlateComparison(Comparison):
 
     def scene(self, mesh: ks.Mesh) -> ks.Scene:
         """For kshell."""
-        return plate(mesh, {"edge": LETTERS[self.kind]}, [ks.Pressure(1.0)])
+        return plate(
+            mesh, {"edge": LETTERS[self.kind]}, [ks.Pressure(1.0 if self.load == "1" else self.load)]
+        )
 
     def options(self) -> dict[str, Any]:
         """Of `kshell.solve`."""

@@ -75,9 +75,6 @@ def along_edges(
     directions /= np.linalg.norm(directions, axis=2, keepdims=True)
     stops = stops | turns(mesh, edges.astype(np.int64), directions, float(np.cos(CORNER)))
     stops[points] = True
-    # a sheet that stands on the line with an edge brings its forces to one vertex of it
-    branching = np.setdiff1d(np.flatnonzero(mesh.edge_counts > 2), edges)
-    stops[mesh.edges[branching].ravel()] = True
     found = chains(mesh, edges.astype(np.int64), stops)
     functions = ChainFunctions(mesh, found, p, stops)
     open_ends = [c.vertices[[0, -1]] for c in found if not c.closed or stops[c.vertices[0]]]
