@@ -22,6 +22,8 @@ FITS = 1e-3  # relative, to which force and mass times length over time squared 
 @lru_cache(maxsize=32)
 def doubts(units: str) -> tuple[str, ...]:
     """What is wrong with the names of units, in the form of `as_units`, in words; nothing where pint is absent."""
+    if not units:
+        return ()
     try:
         import pint
     except ImportError:
@@ -29,7 +31,7 @@ def doubts(units: str) -> tuple[str, ...]:
     registry: Any = pint.UnitRegistry()
     known: dict[str, Any] = {}
     out = []
-    for kind, name in zip(KINDS, units.split(", ") if units else [], strict=False):
+    for kind, name in zip(KINDS, units.split(", "), strict=False):
         try:
             known[kind] = registry.Quantity(1.0, name)
         except Exception:  # pint has many errors for what it cannot read

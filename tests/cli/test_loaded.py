@@ -17,6 +17,7 @@ NEVER = {
     "joblib",
     "matplotlib",
     "meshio",
+    "pint",
     "psutil",
     "pyamg",
     "pyvista",
