@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from kshell.mesh.words import place
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 from kshell.scene.jumps import missed_forces
+from kshell.scene.structure import Placed
 from kshell.shell.koiter.model import KoiterModel
 
 Floats = NDArray[np.float64]
@@ -99,14 +101,16 @@ def next_mesh(loop: Refinement, level: Level, tolerance: float) -> Mesh:
 
 
 def _of_jumps(level: Level, tolerance: float) -> Ints:
-    """Triangles in which loads change faster than they are integrated, where that matters."""
+    """Triangles in which loads and springs change faster than they are integrated, where that matters."""
     mesh, out = level.model.structure.space, np.zeros(0, dtype=np.int64)
-    for placed in level.model.structure.loads:
+    every: list[Placed[Any]] = [*level.model.structure.loads, *level.model.structure.supports]
+    for placed in every:
         if MISSED * placed.missed < SHARE_JUMPS * tolerance:
             continue
         members = placed.members(mesh)
-        worst = members[doerfler(missed_forces(placed.item, mesh, members)[1], SHARE_FAR)]
-        owners = worst if placed.item.dimensions == (2,) else mesh.edge_owner[worst, 0]
+        dimension = 2 if placed.place is None else placed.place.dimension
+        worst = members[doerfler(missed_forces(placed.item, mesh, members, dimension)[1], SHARE_FAR)]
+        owners = worst if dimension == 2 else mesh.edge_owner[worst, 0]
         out = np.union1d(out, owners.astype(np.int64))
     return out[cuttable(level.model.structure.parameters)[out]]
 

@@ -1,7 +1,7 @@
-"""Loads that change faster inside triangles and along edges than they are integrated: what is missed of them.
+"""Loads and springs that change faster inside triangles and along edges than they are integrated: what is missed.
 
-The elements integrate loads by rules that are exact for polynomials of a degree. Where a load jumps or peaks inside a
-triangle the same rule on its parts gives another value: the difference is about the error.
+The elements integrate loads and the stiffness of springs by rules that are exact for polynomials of a degree. Where one
+jumps or peaks inside a triangle the same rule on its parts gives another value: the difference is about the error.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.mesh.mesh import Mesh
+from kshell.scene.exact_supports import Elastic
 from kshell.scene.load import Load
 from kshell.scene.loads import InitialCurvature, InitialStrain, Temperature
 from kshell.scene.normals import beside
@@ -43,8 +44,8 @@ PARTS = {
 }
 
 
-def missed_forces(load: Load, space: Mesh, members: Ints) -> tuple[float, Floats]:
-    """The share of a load that is missed or added, and (n,) the size of what is by triangle, or edge.
+def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: int) -> tuple[float, Floats]:
+    """The share of a load, or of a spring, that is missed or added, and (n,) the size of what is by triangle, or edge.
 
     The share is that of the resultant, of the moments over the size of its place, or of twice the root of the sum of
     squares of single triangles, which do not cancel: the largest of them.
@@ -52,19 +53,18 @@ def missed_forces(load: Load, space: Mesh, members: Ints) -> tuple[float, Floats
     Parameters
     ----------
     members : (n,) int array
-        Triangles or edges it acts on, as its dimension is.
+        Triangles or edges it acts on.
+    dimension : int
+        2 or 1; at points nothing is missed.
     """
     none = 0.0, np.zeros(len(members))
-    if isinstance(load, Temperature | InitialCurvature | InitialStrain) or load.dimensions not in (
-        (2,),
-        (1,),
-    ):
+    if dimension == 0 or isinstance(load, Temperature | InitialCurvature | InitialStrain):
         return none
-    if not load.placing and all(is_constant(getattr(load, key, 0.0)) for key in load.scaling):
+    keys, placing = (("stiffness",), ()) if isinstance(load, Elastic) else (load.scaling, load.placing)
+    if not placing and all(is_constant(getattr(load, key, 0.0)) for key in keys):
         return none
-    cells = space.triangles if load.dimensions == (2,) else space.edges
-    corners = space.points[cells[members]]
-    found = _Missed(load, space, members, corners)
+    cells = space.triangles if dimension == 2 else space.edges
+    found = _Missed(load, space, members, space.points[cells[members]])
     if found.gross == 0.0:
         return none
     single = np.linalg.norm(found.off, axis=1)
@@ -73,11 +73,11 @@ def missed_forces(load: Load, space: Mesh, members: Ints) -> tuple[float, Floats
     return (share, single) if share > SMOOTH else none
 
 
-def rough_words(load: Load, missed: float) -> str:
-    """What a share that is missed of a load means, in words; nothing where that is little."""
+def rough_words(load: Load | Elastic, missed: float, dimension: int) -> str:
+    """What a share that is missed of a load or a spring means, in words; nothing where that is little."""
     if missed < ROUGH:
         return ""
-    inside = "triangles" if load.dimensions == (2,) else "edges"
+    inside = "triangles" if dimension == 2 else "edges"
     return (
         f"{load} changes faster inside {inside} than it is integrated: about {float(f'{100 * missed:.1g}'):g} % of it "
         "are missed or added; let edges of the mesh follow its jumps, or make triangles smaller there"
@@ -97,9 +97,9 @@ class _Missed:
         Integral of the size of the load.
     """
 
-    def __init__(self, load: Load, space: Mesh, members: Ints, corners: Floats) -> None:
+    def __init__(self, load: Load | Elastic, space: Mesh, members: Ints, corners: Floats) -> None:
         self.load, self.space = load, space
-        k = corners.shape[1]
+        k = self.k = corners.shape[1]
         rules = _rules(k)
         centre, size = corners.mean(axis=(0, 1)), float(np.ptp(corners, axis=(0, 1)).max())
         self.gross, moments, off = 0.0, np.zeros(1), []
@@ -136,10 +136,10 @@ class _Missed:
         load: Any = self.load
         places = points
         if getattr(load, "needs_normal", False):
-            triangles = members if load.dimensions == (2,) else self.space.edge_owner[members, 0]
+            triangles = members if self.k == 3 else self.space.edge_owner[members, 0]
             flat = beside(self.space, triangles, points.reshape(-1, 3))
             places = flat.reshape(*points.shape[:2], 6)
-        values = load.at(places)
+        values = load.stiffness_at(places) if isinstance(load, Elastic) else load.at(places)
         return np.asarray(values if values.ndim == 3 else values[..., None])
 
 

@@ -18,6 +18,7 @@ from kshell.material.by_group import per_triangle
 from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
+from kshell.scene.exact_supports import Elastic
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.jumps import missed_forces, rough_words
 from kshell.scene.loads import Load, PointForce, PointMoment, Pressure, Temperature
@@ -50,7 +51,7 @@ class Placed(Generic[T]):
     warning : str
         What the user should know about where it acts.
     missed : float
-        Share of a load that is missed because it changes faster than it is integrated.
+        Share of a load or spring that is missed because it changes faster than it is integrated.
     """
 
     item: T
@@ -167,8 +168,8 @@ class Structure:
 
     @property
     def missed(self) -> float:
-        """Share of the loads that is missed because they change faster than they are integrated."""
-        return sum(placed.missed for placed in self.loads)
+        """Share of loads and springs that is missed because they change faster than they are integrated."""
+        return sum(x.missed for x in self.loads) + sum(x.missed for x in self.supports)
 
     def at_time(self, time: float) -> Structure:
         """The same with loads and prescribed motions as they are at one time."""
@@ -208,6 +209,7 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
         if isinstance(point, ProbePoint):
             select(space, point.on, dimensions=(2,), what=f'probe "{name}"')
     loads = tuple(_warned(placed, supports, space, moving) for placed in loads)
+    supports = tuple(_spring(placed, space, moving) for placed in supports)
     section = shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
     for placed in loads:
         if isinstance(placed.item, Temperature):
@@ -249,12 +251,26 @@ def _warned(
 ) -> Placed[Load]:
     """A load, with a warning where it goes into supports that hold it, or changes fast inside triangles."""
     now = load.at_time(0.0) if moving else load
-    words = lost_into_supports(now, supports, space)
-    missed = 0.0
-    if load.item.dimensions in ((1,), (2,)):
-        missed, _ = missed_forces(now.item, space, now.members(space))
-        words = "; ".join(part for part in (words, rough_words(now.item, missed)) if part)
+    missed, rough = _missed(now, space)
+    words = "; ".join(part for part in (lost_into_supports(now, supports, space), rough) if part)
     return replace(load, warning=words, missed=missed) if words or missed else load
+
+
+def _spring(placed: Placed[Support], space: Mesh, moving: bool) -> Placed[Support]:
+    """A support, with a warning where it is a spring whose stiffness changes fast inside triangles."""
+    now = placed.at_time(0.0) if moving else placed
+    if not isinstance(now.item, Elastic):
+        return placed
+    missed, words = _missed(now, space)
+    both = "; ".join(part for part in (placed.warning, words) if part)
+    return replace(placed, warning=both, missed=missed) if missed else placed
+
+
+def _missed(placed: Placed[Any], space: Mesh) -> tuple[float, str]:
+    """What is missed of a load or a spring, and words about it."""
+    dimension = 2 if placed.place is None else placed.place.dimension
+    missed, _ = missed_forces(placed.item, space, placed.members(space), dimension)
+    return missed, rough_words(placed.item, missed, dimension)
 
 
 def _directions(given: Any, mesh: Mesh) -> Floats | None:
