@@ -201,8 +201,10 @@ class _Part:
 
     def sampled(self, tractions: Tractions) -> Floats:
         """Q (n, point, 2), or m_nt (n, point), of the first deflection."""
-        moment, shear = tractions.at(self.triangles, self.xi)
-        return shear[:, 0] if self.twist is None else (moment[:, 0] * self.twist).sum(axis=-1)
+        if self.twist is None:
+            return tractions.shear_at(self.triangles, self.xi)[:, 0]
+        moment = tractions.at(self.triangles, self.xi)[0][:, 0]
+        return np.asarray((moment * self.twist).sum(axis=-1))
 
     def between(self, first: Floats, second: Floats) -> Floats:
         """(n, point) the density of the product of two of them."""

@@ -147,6 +147,10 @@ class Tractions(ABC):
     def at(self, chosen: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """M (n, k, point, 3) and Q (n, k, point, 2) of triangles at reference points (point, 2) or (n, point, 2)."""
 
+    def shear_at(self, chosen: Ints, xi: Floats) -> Floats:
+        """Q (n, k, point, 2) of triangles at reference points."""
+        return self.at(chosen, xi)[1]
+
     def along(self, patch: EdgePatch) -> tuple[Floats, Floats]:
         """M_nn and V_n (n, k, point) of the triangles of a patch along its curves, which it has `POINTS` points on."""
         return self._of_tensors(*self.at(patch.triangles, patch.xi), patch)
@@ -193,7 +197,10 @@ class ConstantTractions(Tractions):
 
     def at(self, chosen: Ints, xi: Floats) -> tuple[Floats, Floats]:
         m = _times(self.rows.moment[chosen], self.derivatives(chosen, xi, 2))
-        return m, _times(self.rows.shear[chosen], self.derivatives(chosen, xi, 3))
+        return m, self.shear_at(chosen, xi)
+
+    def shear_at(self, chosen: Ints, xi: Floats) -> Floats:
+        return _times(self.rows.shear[chosen], self.derivatives(chosen, xi, 3))
 
 
 class VaryingTractions(Tractions):
