@@ -136,8 +136,9 @@ class KoiterPiece(Shared):
         return Terms(self.team, self.unknowns, self.team.together(self.energy.linear_stiffness))
 
     @on_all
-    def forget_pattern(self) -> None:
+    def forget(self) -> None:
         """Leave room for factors: no further matrix is expected."""
+        self.energy.forget()
         self.energy.__dict__.pop("sparsity", None)
 
     @on_all

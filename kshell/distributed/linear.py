@@ -38,7 +38,7 @@ class PetscLinearSolver(LinearSolver):
         stiffness = stiffness if springs is None else stiffness + springs
         self._factoriser = PetscFactoriser(elastic.team, reduction, elastic.piece.unknowns)
         self._diagonal = stiffness.diagonal()
-        elastic.piece.forget_pattern()
+        elastic.piece.forget()
         self._solve = self._factoriser.factorise(stiffness, last=True).solve
         self._require_held()
 

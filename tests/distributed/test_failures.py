@@ -24,7 +24,7 @@ STAGES = {
     "read": ("kshell.scene.scene", "Scene.read_mesh"),
     "resolve": ("kshell.analysis.solve", "resolve"),
     "deal": ("kshell.distributed.piece", "SurfaceData.of"),
-    "receive": ("kshell.shell.koiter.energy", "triangle_stiffness"),
+    "receive": ("kshell.distributed.piece", "PartSurface.__init__"),
     "assemble": ("kshell.shell.koiter.energy", "Koiter.linear_stiffness"),
     "supports": ("kshell.shell.problem", "apply_supports"),
     "reduce": ("kshell.distributed.numbering", "blocks_of"),

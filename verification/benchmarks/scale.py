@@ -26,7 +26,7 @@ from kshell.distributed.koiter import KoiterPiece
 from kshell.distributed.team import Team, world
 from kshell.plate.model import PlateModel
 from kshell.scene.structure import resolve
-from kshell.shell.koiter.energy import Koiter
+from kshell.shell.koiter.constitutive import TriangleStiffness
 from kshell.solvers import prepare
 from kshell.solvers.memory import peak_bytes
 from kshell.solvers.multigrid.pcg import conjugate_gradients
@@ -140,7 +140,7 @@ def solved(team: Team, whole: Any, order: int, element: str) -> None:
         model.prepare()
     else:
         run(stiffnesses, team, model.problem.energy.piece)
-        run(note, team, "stiffness of triangles, again")
+        run(note, team, "stiffness of triangles")
         run(matrices, team, model.problem.energy.piece)
     run(note, team, "matrix")
     model.solve("direct")
@@ -170,7 +170,7 @@ def stiffnesses(team: Team, piece: KoiterPiece) -> None:
     """Those of the triangles of each process in their own strains."""
     energy = piece.energy
     LEAST["stiffness of triangles"] = _least(
-        team, lambda: Koiter(energy.surface, energy.section, rest=energy.rest)
+        team, lambda: TriangleStiffness.of(energy.surface, energy.section, energy.blocks)
     )
 
 
