@@ -9,7 +9,7 @@ H           growth of the yield stress per plastic strain: isotropic, kinematic
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -23,6 +23,8 @@ from kshell.values import kinds
 Floats = NDArray[np.float64]
 
 Terms = tuple[tuple[float, float], ...]
+# the same with the part (triangle,) that each term has in each triangle
+Relaxing = tuple[tuple[Floats, float], ...]
 
 
 def _number(value: Any) -> bool:
@@ -104,32 +106,43 @@ class Inelastic:
 
     Attributes
     ----------
-    relaxation : tuple of (g, tau)
+    relaxation : tuple of ((triangle,) g, tau)
         Empty where there is none.
     yielding : Yielding, optional
     """
 
-    relaxation: Terms = ()
+    relaxation: Relaxing = ()
     yielding: Yielding | None = None
 
     def __bool__(self) -> bool:
         return bool(self.relaxation) or self.yielding is not None
 
 
-def relaxation_of(materials: Iterable[Any]) -> Terms:
-    """The relaxation that all materials of a structure have.
+def relaxation_of(materials: Sequence[Sequence[Any]], part: NDArray[np.integer]) -> Relaxing:
+    """The terms of all parts of a structure, with their share in each triangle.
+
+    Parameters
+    ----------
+    materials : sequence of sequences
+        Of each part those of its layers; None where it has none.
+    part : (triangle,) int
 
     Raises
     ------
     InputError
-        If they differ in it.
+        If layers of one part differ in it.
     """
-    found = {getattr(material, "relaxation", None) or () for material in materials}
-    if len(found) > 1:
-        raise InputError(
-            "material: relaxation differs between layers or groups: all must have the same, or none"
-        )
-    return found.pop() if found else ()
+    own: list[Terms] = []
+    for layers in materials:
+        found = {getattr(material, "relaxation", None) or () for material in layers}
+        if len(found) > 1:
+            raise InputError("material: relaxation differs between layers: all must have the same, or none")
+        own.append(found.pop() if found else ())
+    out = []
+    for tau in sorted({tau for terms in own for _, tau in terms}):
+        share = np.array([sum(g for g, mine in terms if mine == tau) for terms in own])
+        out.append((share[part], tau))
+    return tuple(out)
 
 
 def yielding_of(materials: Sequence[Any], part: NDArray[np.integer], thickness: Floats) -> Yielding | None:

@@ -209,7 +209,7 @@ class Section:
 
     @cached_property
     def _inelastic(self) -> Inelastic:
-        relaxation = relaxation_of(material for part in self.parts for material in (part.materials or [None]))
+        relaxation = relaxation_of([part.materials or [None] for part in self.parts], self._part)
         for part in self.parts:
             if len(part.materials) > 1 and any(getattr(m, "hardening", None) for m in part.materials):
                 raise InputError(

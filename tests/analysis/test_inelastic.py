@@ -6,6 +6,7 @@ import pytest
 import kshell as ks
 from kshell.shell.koiter.yielding import P, flow_of
 from kshell.verify.cases import large_scenes
+from tests.plate.plates import rectangle
 
 LENGTH, WIDTH, THICKNESS, E = 1.0, 0.1, 0.01, 1e9
 D = E * THICKNESS**3 / 12
@@ -46,6 +47,61 @@ def test_creep():
         assert (np.diff(history["dissipated_energy"]) > 0).all()
     assert worst[0.025] < 1e-3
     assert worst[0.1] < 2e-3
+
+
+def test_regions_creep_by_terms_of_their_own():
+    """A bar of three materials: one half relaxes by two terms, a quarter by one of them, the rest not at all."""
+    force = 1e-3 * E * THICKNESS
+
+    def material(*terms):
+        return ks.Isotropic(E=E, nu=0.0, density=1e-3, relaxation=list(terms) or None)
+
+    scene = ks.Scene(
+        mesh=bar(),
+        thickness=THICKNESS,
+        material={"one": material([0.2, 1.0], [0.3, 4.0]), "two": material([0.3, 4.0]), "three": material()},
+        supports=[ks.Clamped("bottom")],
+        loads=[ks.LineForce("top", (0, force, 0))],
+        probes={"end": (0, 1.0, 0)},
+        solve={"time": 1.5, "step": 0.05, "scheme": "euler", "order": 1},
+    )
+    history = ks.simulate(scene).history
+    t, end = history["time"][1:], history["probes"]["end"]["u"][1:, 1] / 1e-3
+    # of one term the law of compliance; of both the roots of their Laplace transform
+    one = (1 - 0.3 * np.exp(-0.7 * t / 4.0)) / 0.7
+    both = compliance(t, [(0.2, 1.0), (0.3, 4.0)])
+    assert end == pytest.approx(0.5 * both + 0.25 * one + 0.25, rel=3e-3)
+    assert (np.diff(history["dissipated_energy"]) > 0).all()
+
+
+def bar():
+    """A strip along y, of surface groups one (half of it), two and three."""
+    mesh = rectangle(1, 4, 0.1, 1.0)
+    y = mesh.points[mesh.triangles, 1].mean(axis=1)
+    groups = {name: mesh.edges[mesh.groups[name].members] for name in ("bottom", "top")}
+    parts = {"one": y < 0.5, "two": (y > 0.5) & (y < 0.75), "three": y > 0.75}
+    groups |= {name: mesh.triangles[inside] for name, inside in parts.items()}
+    return ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups)
+
+
+def compliance(t, terms):
+    """J(t) E of a Prony series: 1 / E_inf less decaying terms, by the poles of 1 / (s E(s))."""
+    rest = 1 - sum(g for g, _ in terms)
+    # E(s) = rest + sum g s / (s + 1 / tau), as one fraction of polynomials
+    low = np.poly1d([1.0])
+    for _, tau in terms:
+        low *= np.poly1d([1.0, 1.0 / tau])
+    high = rest * low
+    for g, tau in terms:
+        other = np.poly1d([1.0])
+        for _, another in terms:
+            if another != tau:
+                other *= np.poly1d([1.0, 1.0 / another])
+        high += g * np.poly1d([1.0, 0.0]) * other
+    out = low(0.0) / high(0.0) * np.ones_like(t)
+    for pole in high.roots.real:
+        out += low(pole) / (pole * high.deriv()(pole)) * np.exp(pole * t)
+    return out
 
 
 def test_relaxation_damps():

@@ -69,14 +69,18 @@ class Shifted(OfStep):
     ) -> None:
         super().__init__(material, strain, viscosity)
         self.fading = fading
-        self.scale = viscosity + (1.0 if fading is None else fading.scale)  # c
         self.shift = viscosity * strain  # f
-        if fading is not None:
-            self.shift = self.shift + fading.shift
+        if fading is None:
+            self.scale = 1.0 + viscosity  # c
+            self.free = self.shift / self.scale
+        else:  # c is one of each triangle: a material as much stiffer
+            scale = viscosity + fading.scale
+            self.scale, self.material = 1.0, fading.material.scaled(scale)
+            self.free = (self.shift + fading.shift) / scale[:, None]
 
     def _energy(self, asked: Asked) -> Energy:
         x, derivatives, memory, stress, initial, projected = asked
-        free = self.shift / self.scale
+        free = self.free
         if initial is not None:
             free = free + initial
         stays = inelastic_of(memory)
@@ -84,7 +88,7 @@ class Shifted(OfStep):
             free = free - stays  # which the material takes off by itself
         found = self.material.energy(x, derivatives, memory, stress, free, projected)
         gradient = None if found.gradient is None else self.scale * found.gradient
-        if found.hessian is not None:
+        if found.hessian is not None and self.scale != 1.0:
             found.hessian.data *= self.scale
         return found._replace(value=self.scale * found.value, gradient=gradient)
 
@@ -122,14 +126,15 @@ class Fading:
 
     def __init__(self, material: Any, memory: Any, step: float, first: bool) -> None:
         self.material, self.step = material, step
-        self.share = np.array([g for g, _ in material.relaxation])
+        self.share = np.array([g for g, _ in material.relaxation])  # (k, triangle)
         self.time = np.array([tau for _, tau in material.relaxation])
         self.decay = np.exp(-step / self.time)  # d
         self.weight = self.decay if first else -np.expm1(-step / self.time) * self.time / step  # w
         self.before, self.strain = memory.inner[:-1], memory.inner[-1]
-        self.scale = float(1.0 - self.share.sum() + self.share @ self.weight)
-        self.shift = (self.share @ self.weight) * self.strain - np.einsum(
-            "k,ktr->tr", self.share * self.decay, self.before
+        left = self.weight @ self.share  # (triangle,)
+        self.scale = 1.0 - self.share.sum(axis=0) + left
+        self.shift = left[:, None] * self.strain - np.einsum(
+            "kt,k,ktr->tr", self.share, self.decay, self.before
         )
 
     def settled(self, memory: Any, strain: Floats) -> Any:
@@ -142,7 +147,7 @@ class Fading:
             for part in (start, end):
                 energy = np.sum(part * self.material.stress(part), axis=1)
                 lost += 0.5 * g * min(self.step / tau, 1.0) * energy
-        crept = np.einsum("k,ktr->tr", self.share, strain - left)
+        crept = np.einsum("kt,ktr->tr", self.share, strain - left)
         return replace(memory, inelastic=crept, inner=np.concatenate([left, strain[None]]), lost=lost)
 
 
@@ -151,7 +156,7 @@ def stored(material: Any, memory: Any) -> float:
     total = 0.0
     share = [g for g, _ in material.relaxation]
     for g, part in zip([1.0 - sum(share), *share], [memory.inner[-1], *memory.inner[:-1]], strict=True):
-        total += 0.5 * g * float(np.sum(part * material.stress(part)))
+        total += 0.5 * float(g @ np.sum(part * material.stress(part), axis=1))
     return total
 
 
