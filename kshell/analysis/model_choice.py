@@ -293,7 +293,7 @@ def true_shape_order(triangles: int, available: float) -> tuple[int, str]:
     """
     need = CUBICS_BYTES * triangles
     if available is None or need <= SHARE * available:
-        return 3, "order 3: cubics, accurate on few triangles of true shape; order = 4 is more so"
+        return 3, "order 3: cubics, accurate on few triangles of true shape; orders 4 to 6 are more so"
     return 2, (
         f"order 2: cubics on {triangles} triangles would take about {need / 1e9:.2g} GB, of {available / 1e9:.2g} GB "
         f"that are left; they would be more accurate on a mesh of {int(SHARE * available / CUBICS_BYTES)} triangles "
