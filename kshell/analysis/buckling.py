@@ -9,6 +9,7 @@ deflects across its surface before it buckles.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -108,7 +109,7 @@ def _stage(run: Run, model: Model) -> tuple[Stage, bool]:
             base = stressed(model, structure, still[:-1], still[-1])
             stiffness = (stiffness + base.geometric).tocsr()
     with run.clock.stage("solve"):
-        pencil = CriticalPencil(stiffness, state.geometric)
+        pencil = CriticalPencil(stiffness, state.geometric, order=cache(model.elimination))
         if not any(still):
             pencil = pencil._replace(energy=model.energies)
         count = COUNT if options.count is None else options.count

@@ -22,6 +22,7 @@ from kshell.solvers.eigen import (
     CONVERGED,
     SPACE,
     WHOLE,
+    order_of,
     uncounted,
 )
 from kshell.solvers.eigenbasis import canonical, gap_behind
@@ -49,11 +50,14 @@ class CriticalPencil(NamedTuple):
         K, positive definite, and G.
     energy : callable or None
         (n, k) vectors X to X^T K X, formed through strains.
+    order : callable or None
+        Gives an order of elimination (n,) with little fill.
     """
 
     stiffness: Any
     geometric: Any
     energy: Callable[[Any], Any] | None = None
+    order: Callable[[], NDArray[np.integer] | None] | None = None
 
 
 def factors(pencil: CriticalPencil, count: int) -> Spectrum:
@@ -76,7 +80,7 @@ def factors(pencil: CriticalPencil, count: int) -> Spectrum:
         found = _sorted(pencil, nu, x, count, Spectrum(nu, x, True, "LAPACK"))
         return found
     try:
-        factor = factorise_symmetric(k, True)
+        factor = factorise_symmetric(k, True, order_of(pencil))
     except Singular as error:
         raise SolveError(f"the stiffness is singular ({error}): the structure can move freely") from error
     if factor.count_negative():
@@ -126,7 +130,7 @@ def smallest_positive(pencil: CriticalPencil, known: float) -> float | None:
     if k.shape[0] <= WHOLE:
         nu = _whole(k, g)[0]
     else:
-        solve = factorise_symmetric(k, True).solve
+        solve = factorise_symmetric(k, True, order_of(pencil)).solve
         inverse = LinearOperator(k.shape, matvec=lambda b: np.asarray(solve(np.ravel(b))), dtype=float)
         start = inverse @ (g @ np.random.default_rng(1).standard_normal(k.shape[0]))
         try:
@@ -148,7 +152,8 @@ def _missing(pencil: CriticalPencil, values: Floats, behind: int) -> int | None:
     for sign in (1.0, -1.0):
         try:
             shifted = (pencil.stiffness + sign * tau * pencil.geometric).tocsr()
-            negative = factorise_symmetric(shifted, not np.any(values[:behind] * sign > 0)).count_negative()
+            definite = not np.any(values[:behind] * sign > 0)
+            negative = factorise_symmetric(shifted, definite, order_of(pencil)).count_negative()
         except Singular:
             return None
         if negative is None:

@@ -142,7 +142,7 @@ def _range_uncounted(pencil: Pencil, low: float, high: float, most: int) -> Spec
 def _factor(pencil: Pencil, shift: float, definite: bool) -> SymmetricFactor:
     shifted = pencil.stiffness if shift == 0.0 else (pencil.stiffness - shift * pencil.mass).tocsr()
     try:
-        return factorise_symmetric(shifted, definite, _order(pencil))
+        return factorise_symmetric(shifted, definite, order_of(pencil))
     except Singular as error:
         raise SolveError(
             f"the stiffness is singular ({error}): the structure can move freely in a way that its rigid motions do "
@@ -150,8 +150,8 @@ def _factor(pencil: Pencil, shift: float, definite: bool) -> SymmetricFactor:
         ) from error
 
 
-def _order(pencil: Pencil) -> NDArray[np.integer] | None:
-    """An order of elimination, of large matrices that one process has."""
+def order_of(pencil: Any) -> NDArray[np.integer] | None:
+    """An order of elimination of a `Pencil` or `CriticalPencil`, where it is large and not divided."""
     small = pencil.stiffness.shape[0] < LARGE
     if pencil.order is None or small or hasattr(pencil.stiffness, "factorised"):
         return None
@@ -169,7 +169,7 @@ def _count_below(pencil: Pencil, value: float) -> int | None:
         try:
             tau = value * (1.0 + nudge)
             # nothing here holds the shifted matrix, which is let go when its half is copied
-            below = factorise_symmetric(_shifted(pencil, tau), False, _order(pencil)).count_negative()
+            below = factorise_symmetric(_shifted(pencil, tau), False, order_of(pencil)).count_negative()
         except Singular:
             continue
         if below is not None:

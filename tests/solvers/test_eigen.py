@@ -7,7 +7,7 @@ from scipy.linalg import eigh
 
 from kshell.analysis.models import model_of
 from kshell.errors import InputError, SolveError
-from kshell.solvers import eigen
+from kshell.solvers import critical, eigen
 from kshell.solvers.backends import CHOLMOD
 from kshell.solvers.critical import CriticalPencil, factors
 from kshell.solvers.eigen import in_range, smallest
@@ -239,3 +239,16 @@ def test_large_matrices_are_counted_without_the_first_factor(options, monkeypatc
     assert found.checked == before.checked
     x = found.vectors[:, 0]
     assert found.solve(pencil.stiffness @ x) == pytest.approx(x, abs=1e-8 * np.abs(x).max())
+
+
+def test_large_matrices_have_the_same_factors(monkeypatch):
+    """In an order of their mesh."""
+    model = model_of(square("CCCC", n=8), analysis="buckling", element="morley")
+    press = (model.mass() * 1e-3).tocsr()
+    pencil = CriticalPencil(model.stiffness(), -press, order=model.elimination)
+    monkeypatch.setattr(critical, "WHOLE", 10)
+    before = factors(pencil, 3)
+    monkeypatch.setattr(eigen, "LARGE", 10)
+    found = factors(pencil, 3)
+    assert found.values == pytest.approx(before.values, rel=1e-9)
+    assert found.checked == before.checked
