@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import scipy.sparse as sp
 
-from kshell.analysis.membrane import MembraneState, UniformState, membrane_state
+from kshell.analysis.membrane import ORDER, MembraneState, UniformState, membrane_state
 from kshell.analysis.path import grow_load
 from kshell.analysis.run import Run
 from kshell.analysis.sense import at_rest_first
@@ -24,6 +24,8 @@ from kshell.plate.model import PlateModel
 from kshell.plate.pattern import Pattern
 from kshell.scene.structure import Structure
 
+# order of membrane forces beside Morley elements, whose own error is of the second order
+MORLEY_ORDER = 2
 # entries of a geometric stiffness, against those of the stiffness, that are rounding
 NOTHING = 1e-12
 
@@ -72,7 +74,8 @@ def stressed(model: Model, structure: Structure, factors: Sequence[float], motio
         If there is no linear solution.
     """
     if isinstance(model, PlateModel):
-        state = membrane_state(structure, factors, motion)
+        order = ORDER if model.element == "argyris" else MORLEY_ORDER
+        state = membrane_state(structure, factors, motion, order)
         return Stressed(plate_geometric(model, state), membrane=state)
     solved = model.under(factors, motion).solve()
     return Stressed(model.geometric_stiffness(solved), solved=solved)
