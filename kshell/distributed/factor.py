@@ -179,6 +179,20 @@ class PetscFactoriser:
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
 
+    def positive(self, matrix: Scattered) -> Factor | None:
+        """The matrix in the free unknowns, factorised if it is positive definite, else None.
+
+        Raises
+        ------
+        SolveError
+            As `factorise`.
+        """
+        try:
+            found = self.factors(matrix)
+        except Singular:
+            return None
+        return found if found.definite or found.negative == 0 else None
+
     def factors(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
         """The same; `Singular` where a pivot is zero."""
         known, mumps = matrix.known, self.mumps
