@@ -260,10 +260,10 @@ def test_section_refuses_what_has_no_stiffness():
     with pytest.raises(InputError, match="positive stiffness"):
         Section.from_stiffness(np.eye(3), np.eye(3), coupling=2 * np.eye(3))
     with pytest.raises(InputError, match="normal to the surface"):
-        Koiter(
+        _ = Koiter(
             Surface(rectangle(1, 1, 0, 1, 0, 1), 1),
             Section.from_plane_stress(np.eye(3), 1.0, direction=[0, 0, 1]),
-        )
+        ).stiffness
 
 
 def test_displacement_and_rotation_of_a_rigid_motion():
