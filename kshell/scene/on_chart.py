@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from kshell.mesh.words import count, place
 Floats = NDArray[np.float64]
 
 POINT = 1e-12  # length of an edge, against the size of the mesh, that is none
+REGULAR = 1e-9  # sine of the angle of the tangents of a chart below which it has no normal
 
 
 def mesh_in_space(chart: Any, mesh: Mesh) -> Mesh:
@@ -52,6 +53,34 @@ def _require_edges(mesh: Mesh, space: Mesh) -> None:
             f"{place(a)} to {place(b)} to {place(at)}: it has no tangents and no normal there. Leave such places, "
             "poles and tips, out of the mesh, or mesh the surface in space"
         )
+
+
+@dataclass(frozen=True)
+class ChartLift:
+    """From the parameters of a chart to its surface.
+
+    Attributes
+    ----------
+    chart : Chart
+    """
+
+    chart: Any
+
+    def __call__(self, parameters: Floats) -> Floats:
+        """Points (n, 3) over parameters (n, 2 or 3)."""
+        return lifted(self.chart, parameters)
+
+    def normals(self, parameters: Floats) -> Floats | None:
+        """(n, 3) unit normals there; None where one of them does not exist, or derivatives are not known."""
+        if self.chart.map.highest < 1:
+            return None
+        x_u, x_v = np.moveaxis(self.chart.derivatives(*parameters[:, :2].T, order=1)[1], -2, 0)
+        normal = np.cross(x_u, x_v)
+        length = np.linalg.norm(normal, axis=1)
+        if np.any(length <= REGULAR * np.linalg.norm(x_u, axis=1) * np.linalg.norm(x_v, axis=1)):
+            return None
+        out: Floats = normal / length[:, None]
+        return out
 
 
 def lifted(chart: Any, parameters: Floats) -> Floats:

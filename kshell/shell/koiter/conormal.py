@@ -1,9 +1,9 @@
 """The direction in which a surface leaves a straight line, from its shape and nothing else.
 
-A straight line lies in many planes, so the plane of symmetry through it follows from the surface: from quadrics fitted
-to the vertices around those on the line, which are exact on planes, cylinders, cones and all other surfaces of second
-degree however coarse the triangles are. Where they do not fit, as at the flat sides of a prism, the triangles
-themselves say it. No coordinate axis takes part.
+A straight line lies in many planes, so the plane of symmetry through it follows from the surface: from the formulas of
+its chart, or, where it has none, from quadrics fitted to the vertices around those on the line, which are exact on
+planes, cylinders, cones and all other surfaces of second degree however coarse the triangles are. Where they do not
+fit, as at the flat sides of a prism, the triangles themselves say it. No coordinate axis takes part.
 """
 
 from __future__ import annotations
@@ -47,7 +47,9 @@ def across_line(surface: Surface, edges: ArrayLike) -> Floats:
     vertices = np.unique(surface.mesh.edges[edges])
     x = surface.nodes[vertices]
     line = np.linalg.svd(x - x.mean(axis=0), full_matrices=False)[2][0]
-    normals = _fitted_normals(surface, vertices)
+    normals = surface.exact_normals(vertices)
+    if normals is None:
+        normals = _fitted_normals(surface, vertices)
     directions = edge_conormals(surface, edges).reshape(-1, 3) if normals is None else np.cross(line, normals)
     mean: Floats = np.linalg.svd(directions, full_matrices=False)[2][0]
     mean = mean - line * (line @ mean)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
-from kshell.scene.on_chart import lifted
+from kshell.scene.on_chart import ChartLift
 from kshell.scene.structure import Structure
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.koiter.yielding import YieldingKoiter
@@ -50,13 +50,7 @@ class KoiterModel(ShellModel):
         reasons: Sequence[str] = (),
         offsets: Floats | None = None,
     ) -> None:
-        lift: Callable[[Floats], Floats] | None = None
-        if structure.chart is not None:
-            chart = structure.chart
-
-            def lift(points: Floats) -> Floats:
-                return lifted(chart, points)
-
+        lift = None if structure.chart is None else ChartLift(structure.chart)
         if offsets is not None:
             structure = structure.on(moved_mesh(structure.space, order, offsets))
         hinges = hinge_edges(structure.supports, structure.space)

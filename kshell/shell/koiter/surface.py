@@ -12,6 +12,7 @@ from kshell.elements.reference import VERTICES
 from kshell.errors import InputError
 from kshell.mesh.higher import higher_nodes, order_of
 from kshell.mesh.mesh import Mesh
+from kshell.scene.on_chart import ChartLift
 from kshell.shell.koiter.numbering import NumberedMesh
 from kshell.shell.reference import (
     LARGEST_ORDER,
@@ -68,6 +69,8 @@ class Surface(NumberedMesh):
         super().__init__(mesh, order, hinges)
         self.reference: ReferenceTriangle = reference_triangle(order)
         self.flat_nodes = self._flat_nodes()
+        # of a surface that is moved off its chart there is no formula
+        self._chart = lift if isinstance(lift, ChartLift) and offsets is None else None
         self.nodes = self.flat_nodes if lift is None else np.asarray(lift(self.flat_nodes), dtype=float)
         if offsets is not None:
             self.nodes = self.nodes + offsets
@@ -132,6 +135,10 @@ class Surface(NumberedMesh):
     def tangents(self, first: Floats, triangles: slice | NDArray = slice(None)) -> Floats:
         """Tangent vectors X,1 and X,2 of the rest surface: (2, 3, triangle, point)."""
         return self.jets(self.nodes, first, triangles)
+
+    def exact_normals(self, nodes: NDArray[np.integer]) -> Floats | None:
+        """(n, 3) unit normals of the surface at nodes by the formulas of its chart; None where there are none."""
+        return None if self._chart is None else self._chart.normals(self.flat_nodes[nodes])
 
     @cached_property
     def vertex_normals(self) -> Floats:
