@@ -98,7 +98,7 @@ def analyse(model: Model, run: Run) -> Result:
     if followed is not None:
         loop.frozen = geometry_share(followed.first)
     elif first is not None and not shape_is_known(run.scene) and not loop.pair:
-        loop.frozen = assess(model, first.state, first.result, 0).geometry or 0.0
+        loop.frozen = assess(first.model, first.state, first.result, 0).geometry or 0.0
         if isinstance(model, KoiterModel) and isinstance(first.state, Solved):
             loop.cut = share_when_cut(model, model.problem.energy.linear_strain(first.state.x))
     _refine(loop, mesh)

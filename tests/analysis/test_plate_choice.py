@@ -48,6 +48,14 @@ def test_straight_edges_keep_their_guaranteed_bounds():
     assert result.error["kind"] == "guaranteed"
 
 
+def test_straight_edges_with_nodes_in_their_middle_are_answered_after_a_look_at_large_deflections():
+    plane = ks.geometry.Plane().mesh(3, 3, u_range=(0, 1), v_range=(0, 1), order=2, names=("edge",) * 4)
+    scene = dataclasses.replace(clamped(plane, 1e-3, centre=(0.5, 0.5, 0.0)), solve={})
+    found, other = (ks.solve(scene, tolerance=1e-3, element=element) for element in ("auto", "argyris"))
+    w = other.probe("centre")["u"][2]
+    assert found.probe("centre")["u"][2] == pytest.approx(w, rel=2e-3)
+
+
 def test_what_is_named_stays():
     scene = clamped(disk(2), centre=(0.0, 0.0, 0.0))
     assert model(scene, 1e-3, element="argyris")[0] == "argyris"
