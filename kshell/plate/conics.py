@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-FEWEST, FEWEST_OF_ELLIPSES = 5, 7  # nodes that tell a circle, and an ellipse, from other curves
+FEWEST_ALONE, FEWEST_OF_ELLIPSES = 5, 7  # nodes that tell a circle, and an ellipse, from other curves
+FEWEST_AT_JOINTS = 3  # of a circle that is known to run into its tangent
 OFF = 1e-12  # of the size: how far nodes may lie off the curve
 COEFFICIENTS = 10  # of phi: 1e-15 of the chord for edges of 70 degrees
 LARGEST_ANGLE = np.radians(100.0)
@@ -67,7 +68,7 @@ class Arc:
         return np.asarray(np.stack([numbers.real, numbers.imag], axis=-1) @ np.linalg.inv(self.map).T)
 
 
-def arc_of(nodes: Floats, step: int, rounding: float) -> Arc | None:
+def arc_of(nodes: Floats, step: int, rounding: float, fewest: int = FEWEST_ALONE) -> Arc | None:
     """The arc of a circle or an ellipse that a run of nodes (n, 2) lies on; None where it lies on none.
 
     Parameters
@@ -76,10 +77,12 @@ def arc_of(nodes: Floats, step: int, rounding: float) -> Arc | None:
         Nodes per edge.
     rounding : float
         Of the nodes' coordinates.
+    fewest : int
+        Nodes that tell a circle.
     """
     closed = bool(np.abs(nodes[-1] - nodes[0]).max() <= rounding)
     different = nodes[:-1] if closed else nodes
-    if len(different) < FEWEST:
+    if len(different) < fewest:
         return None
     shift, size = different.mean(axis=0), np.ptp(different, axis=0).max()
     x, run, near = (different - shift) / size, (nodes - shift) / size, rounding / size

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from kshell.mesh.higher import nodes_along, order_of
 from kshell.mesh.mesh import Mesh
 from kshell.plate.chains import STRAIGHT, breaks, chained, is_straight, polygon
-from kshell.plate.conics import COEFFICIENTS, arc_of
+from kshell.plate.conics import COEFFICIENTS, FEWEST_ALONE, FEWEST_AT_JOINTS, arc_of
 from kshell.plate.curves import EdgeCurves
+from kshell.plate.joints import beside, tangent_joints
 from kshell.plate.smooth import smooth_shapes
 
 Floats = NDArray[np.float64]
@@ -98,6 +99,10 @@ def _fit_line(
         out.tangent[line] = np.where(forward, 1.0, -1.0)[:, None, None] * directions[:, None]
         return 0.0, origin
     corner, jump, turn = breaks(nodes, step, closed, rounding)
+    joint = tangent_joints(nodes, step, closed, rounding)
+    if joint.any():  # known to rounding: what was seen around it was the same jump
+        corner &= ~joint
+        jump = joint | (jump & ~beside(joint, closed))
     if jump.any():
         _join(jump, corner, nodes, step, closed, rounding)
     smooth = np.where(corner, 0.0, turn)[::step]
@@ -107,7 +112,7 @@ def _fit_line(
         shift = int(ends[0])
         nodes = np.concatenate([np.roll(nodes[:-1], -shift, axis=0), nodes[shift : shift + 1]])
         line, forward = np.roll(line, -shift // step), np.roll(forward, -shift // step)
-        corner, jump = (np.append(np.roll(x[:-1], -shift), x[shift]) for x in (corner, jump))
+        corner, jump, joint = (np.append(np.roll(x[:-1], -shift), x[shift]) for x in (corner, jump, joint))
         ends = np.flatnonzero(corner | jump)
     inner = [int(b) for b in ends if 0 < b < len(nodes) - 1]
     bounds = [0, *inner, len(nodes) - 1]
@@ -122,7 +127,7 @@ def _fit_line(
         if straight[place].any():
             derivatives[place] = _straight_derivatives(run, step)
             continue
-        known = arc_of(run, step, rounding)
+        known = arc_of(run, step, rounding, FEWEST_AT_JOINTS if joint[a] or joint[b] else FEWEST_ALONE)
         if known is None:
             derivatives[place], phi = smooth_shapes(run, step, periodic)
         else:
@@ -130,8 +135,8 @@ def _fit_line(
             arc[place] = True
             derivatives[place], phi = known.derivatives(chord), known.shapes(chord)
         shape[place, : phi.shape[1]] = phi
-    joint = jump[::step] & ~corner[::step]
-    _store(out, line, forward, nodes[::step], (derivatives, shape, straight, arc), joint, closed)
+    bends = jump[::step] & ~corner[::step]
+    _store(out, line, forward, nodes[::step], (derivatives, shape, straight, arc), bends, closed)
     return float(smooth[worst]), nodes[worst * step] + origin
 
 
