@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import add_below, draw_edges, new_figure
-from kshell.draw.in_time import largest_values
+from kshell.draw.in_time import largest_values, pressed
 from kshell.mesh import Mesh, Selection, select
 from kshell.mesh.check import is_flat
 from kshell.mesh.facing import top_words
 from kshell.scene.loads import Load
 from kshell.scene.normals import beside
+from kshell.scene.placed_pressures import Patch
 from kshell.scene.places import on_words
 from kshell.scene.sections import each
 from kshell.scene.supports import RigidLink, Support
-from kshell.values.varying import show
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,6 +47,7 @@ SUPPORT_COLOURS = {
 # of the loads, one after the other; none is that of a support
 LOAD_COLOURS = ("#c0392b", "#d81b9a", "#ef6c00", "#3b2fd1", "#6d4c00", "#00a3c4")
 ASIDE = 0.02  # of the size: symbols of further loads on one surface stand beside those of the first
+PATCH_SIGNS = 3  # signs across a disc or a rectangle
 SIGNS = 40  # about this many hatch strokes along the diagonal of the plate
 
 
@@ -146,13 +147,16 @@ def load_colour(number: int) -> str:
 
 def _draw_load(axes: Axes, mesh: Mesh, load: Load, end: float | None, number: int) -> None:
     colour = load_colour(number)
-    label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
+    label = f"{load.kind.replace('_', ' ')} {load.where}: {load.amount}"
     if load.on is None:
         chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     else:
         chosen = select(mesh, load.on, what=str(load))
     if load.kind in ("temperature", "initial_curvature"):
         _tint(axes, mesh, chosen, colour, label)
+        return
+    if isinstance(load, Patch):
+        _draw_patch(axes, mesh, chosen, load, end, label, colour)
         return
     points = _places(mesh, chosen)
     if load.kind == "edge_moment":
@@ -166,6 +170,20 @@ def _draw_load(axes: Axes, mesh: Mesh, load: Load, end: float | None, number: in
         return
     aside = ASIDE * mesh.size * number if chosen.dimension == 2 else 0.0
     _forces(axes, mesh, points + np.array([aside, 0.0, 0.0]), vector, label, colour)
+
+
+def _draw_patch(
+    axes: Axes, mesh: Mesh, chosen: Selection, load: Patch, end: float | None, label: str, colour: str
+) -> None:
+    """The rim of a disc or a rectangle, and signs inside; of one that moves, when most of it is on the plate."""
+    centres = mesh.points[mesh.triangles[chosen.members]].mean(axis=1)
+    frozen, members = pressed(load, centres, chosen.members, end)
+    if not len(members):
+        axes.plot([], [], linestyle="", label=f"{label} (presses on nothing)")
+        return
+    axes.plot(*frozen.outline()[:, :2].T, color=colour, linewidth=1.2, zorder=5)
+    points = _places(mesh, Selection(2, members, chosen.label), PATCH_SIGNS)
+    _forces(axes, mesh, points, frozen.at(points)[:, None] * np.array([0.0, 0.0, 1.0]), label, colour)
 
 
 def _forces(axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str, colour: str) -> None:
@@ -208,17 +226,22 @@ def _arrows(
     axes.plot([], [], color=colour, marker=">", label=label)
 
 
-def _places(mesh: Mesh, chosen: Selection) -> Floats:
-    """(n, 3) places for signs, spread evenly over what was chosen."""
+def _places(mesh: Mesh, chosen: Selection, across: int = 0) -> Floats:
+    """(n, 3) places for signs, spread evenly over what was chosen, with so many across it instead of the mesh."""
     if chosen.dimension == 0:
         return mesh.points[chosen.members]
     if chosen.dimension == 1:
         points = _along(mesh, chosen.members, SIGNS // 3)[0]
         return np.column_stack([points, np.full(len(points), mesh.points[0, 2])])
     centres = mesh.points[mesh.triangles[chosen.members]].mean(axis=1)
-    cell = np.ptp(mesh.points[:, :2], axis=0).max() / 6
-    boxes = np.floor((centres[:, :2] - mesh.points[:, :2].min(axis=0)) / cell).astype(np.int64)
-    middle = mesh.points[:, :2].min(axis=0) + (boxes + 0.5) * cell
+    whole = mesh.points[:, :2]
+    cell = np.ptp(whole, axis=0).max() / 6
+    low = whole.min(axis=0)
+    if across:
+        corners = whole[mesh.triangles[chosen.members]].reshape(-1, 2)
+        low, cell = corners.min(axis=0), max(np.ptp(corners, axis=0).max() / across, cell / 3)
+    boxes = np.floor((centres[:, :2] - low) / cell).astype(np.int64)
+    middle = low + (boxes + 0.5) * cell
     order = np.argsort(np.linalg.norm(centres[:, :2] - middle, axis=1), kind="stable")
     _, first = np.unique(boxes[order], axis=0, return_index=True)
     return centres[order[first]]
@@ -293,11 +316,3 @@ def _draw_material_axes(axes: Axes, mesh: Mesh, scene: Scene) -> None:
             linestyle=style,
             label=label,
         )
-
-
-def amount(load: Load) -> str:
-    """The value of a load in words."""
-    keys = (*load.scaling, *load.placing)
-    if keys == ("value",):
-        return show(load.value)
-    return ", ".join(f"{key} {show(getattr(load, key))}" for key in keys)

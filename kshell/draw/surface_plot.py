@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, LETTERS, add_below, colour_bar, colours, flat_triangles
 from kshell.draw.hidden import Depths
-from kshell.draw.in_time import largest_values
+from kshell.draw.in_time import largest_values, pressed
 from kshell.draw.marks import USUAL, draw_marks, marks, seeing
-from kshell.draw.scene_plot import ASIDE, SUPPORT_COLOURS, amount, load_colour, material_axes, on_mesh
+from kshell.draw.scene_plot import ASIDE, PATCH_SIGNS, SUPPORT_COLOURS, load_colour, material_axes, on_mesh
 from kshell.material.by_group import ELSE
 from kshell.mesh import Mesh, Selection, select
 from kshell.result.vtu import at_nodes
 from kshell.scene.loads import Load
+from kshell.scene.placed_pressures import Patch
 from kshell.scene.places import on_words
 from kshell.scene.supports import Support
 from kshell.shell.frames import plane_tangents, tangent_frame
@@ -255,14 +256,22 @@ def _mark(axes: Any, mesh: Mesh, nodes: Floats, chosen: Selection, colour: str, 
 
 def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load, end: float | None, number: int) -> None:
     colour = load_colour(number)
-    label = f"{load.kind.replace('_', ' ')} {on_words(load.on)}: {amount(load)}"
+    label = f"{load.kind.replace('_', ' ')} {load.where}: {load.amount}"
     chosen = Selection(2, np.arange(len(mesh.triangles), dtype=np.int32), "everywhere")
     if load.on is not None:
         chosen = select(mesh, load.on, what=str(load))
     if load.kind in ("temperature", "initial_curvature", "edge_moment"):
         _mark(axes, mesh, nodes, chosen, colour, label)
         return
-    points, normals = _places(mesh, nodes, chosen)
+    across = 0
+    if isinstance(load, Patch):
+        centres = mesh.points[mesh.triangles[chosen.members]].mean(axis=1)
+        load, members = pressed(load, centres, chosen.members, end)
+        if not len(members):
+            axes.plot([], [], [], linestyle="", label=f"{label} (presses on nothing)")
+            return
+        chosen, across, number = Selection(2, members, chosen.label), PATCH_SIGNS, 0
+    points, normals = _places(mesh, nodes, chosen, across)
     values = largest_values(load, np.hstack([points, normals]) if load.needs_normal else points, end)
     vector = values if values.ndim == 2 else values[:, None] * normals
     most = np.linalg.norm(vector, axis=1).max()
@@ -280,8 +289,8 @@ def _draw_load(axes: Any, mesh: Mesh, nodes: Floats, load: Load, end: float | No
     axes.plot([], [], [], color=colour, marker=">", label=label)
 
 
-def _places(mesh: Mesh, nodes: Floats, chosen: Selection) -> tuple[Floats, Floats]:
-    """(n, 3) places for arrows, spread evenly, and unit normals of the surface there."""
+def _places(mesh: Mesh, nodes: Floats, chosen: Selection, across: int = 0) -> tuple[Floats, Floats]:
+    """(n, 3) places for arrows, spread evenly, and unit normals of the surface there; see `scene_plot`."""
     if chosen.dimension == 0:
         points = mesh.points[chosen.members]
         return points, np.zeros_like(points)
@@ -294,6 +303,8 @@ def _places(mesh: Mesh, nodes: Floats, chosen: Selection) -> tuple[Floats, Float
     centres = corners.mean(axis=1)
     # the triangles nearest to the middles of the boxes of a grid
     cell = mesh.size / 7
+    if across:
+        cell = max(float(np.ptp(corners.reshape(-1, 3), axis=0).max()) / across, cell / 3)
     boxes = np.floor((centres - mesh.points.min(axis=0)) / cell).astype(np.int64)
     middle = mesh.points.min(axis=0) + (boxes + 0.5) * cell
     order = np.argsort(np.linalg.norm(centres - middle, axis=1), kind="stable")

@@ -80,16 +80,10 @@ def _freedoms(letters: str) -> str:
 def load_table(scene: Scene) -> Table:
     """What acts, and where."""
     rows = [
-        [str(n), load.name, load.kind.replace("_", " "), on_words(load.on), _amount(load)]
+        [str(n), load.name, load.kind.replace("_", " "), load.where, load.amount]
         for n, load in enumerate(scene.loads)
     ]
     return Table("Loads", ("", "name", "load", "where", "value"), rows)
-
-
-def _amount(load: Any) -> str:
-    if load.kind != "temperature":
-        return show(load.value)
-    return ", ".join(f"{key} {show(getattr(load, key))}" for key in (*load.scaling, *load.placing))
 
 
 def case_table(scene: Scene) -> Table:

@@ -16,7 +16,7 @@ from kshell.scene.places import (
     on_words,
 )
 from kshell.values.time import depends_on_normal
-from kshell.values.varying import values_at
+from kshell.values.varying import show, values_at
 
 # part of a load that is nothing but rounding
 NEGLIGIBLE = 1e-12
@@ -95,9 +95,22 @@ class Load:
         given |= {key: _times(factor, given[key]) for key in self.scaling}
         return type(self)(**given)
 
+    @property
+    def where(self) -> str:
+        """Where it acts, in words."""
+        return on_words(self.on)
+
+    @property
+    def amount(self) -> str:
+        """How large it is, in words."""
+        keys = (*self.scaling, *self.placing)
+        if keys == ("value",):
+            return show(self.value)
+        return ", ".join(f"{key} {show(getattr(self, key))}" for key in keys)
+
     def __str__(self) -> str:
         named = f' "{self.name}"' if self.name else ""
-        return f"load {self.kind}{named} {on_words(self.on)}"
+        return f"load {self.kind}{named} {self.where}"
 
 
 def _times(factor: float, value: Any) -> Any:

@@ -16,7 +16,7 @@ from kshell.scene.places import On, ScalarValue, VectorValue
 from kshell.values import kinds
 from kshell.values.time import depends_on_time
 from kshell.values.validation import Flag, Number, described
-from kshell.values.varying import values_at
+from kshell.values.varying import show, values_at
 
 Floats = NDArray[np.float64]
 
@@ -82,8 +82,22 @@ class Hydrostatic(PlacedPressure):
 class Patch(PlacedPressure):
     """A pressure on a patch around a centre, which may move in time."""
 
+    extent: ClassVar[tuple[str, ...]] = ()
     pressure: Any
     centre: Any
+
+    @property
+    def where(self) -> str:
+        around = f"around {show(self.centre)}"
+        return around if self.on is None else f"{around} {super().where}"
+
+    @property
+    def amount(self) -> str:
+        return ", ".join(f"{key} {show(getattr(self, key))}" for key in (*self.scaling, *self.extent))
+
+    @abstractmethod
+    def outline(self) -> Floats:
+        """(n, 3) places on its rim in the plan, one after the other and closed; numbers must stand in the centre."""
 
     @abstractmethod
     def _inside(self, step: Floats) -> NDArray[np.bool_]:
@@ -171,6 +185,7 @@ class Disc(Patch):
     kind: ClassVar[str] = "disc"
     scaling: ClassVar[tuple[str, ...]] = ("pressure",)
     placing: ClassVar[tuple[str, ...]] = ("centre",)
+    extent: ClassVar[tuple[str, ...]] = ("radius",)
     pressure: ScalarValue
     centre: VectorValue
     radius: Length
@@ -184,6 +199,11 @@ class Disc(Patch):
 
     def _inside(self, step: Floats) -> NDArray[np.bool_]:
         return np.asarray((step**2).sum(axis=-1) <= self.radius**2)
+
+    def outline(self) -> Floats:
+        turn = np.linspace(0.0, 2.0 * np.pi, 73)
+        rim = self.radius * np.stack([np.cos(turn), np.sin(turn), 0.0 * turn], axis=1)
+        return np.asarray(self._at(rim) + rim)
 
     @property
     def _narrowest(self) -> float:
@@ -222,6 +242,7 @@ class Rectangle(Patch):
     kind: ClassVar[str] = "rectangle"
     scaling: ClassVar[tuple[str, ...]] = ("pressure",)
     placing: ClassVar[tuple[str, ...]] = ("centre",)
+    extent: ClassVar[tuple[str, ...]] = ("size", "angle")
     pressure: ScalarValue
     centre: VectorValue
     size: Sides
@@ -238,6 +259,13 @@ class Rectangle(Patch):
         c, s = np.cos(np.radians(self.angle)), np.sin(np.radians(self.angle))
         along, across = c * step[..., 0] + s * step[..., 1], c * step[..., 1] - s * step[..., 0]
         return np.asarray((np.abs(along) <= 0.5 * self.size[0]) & (np.abs(across) <= 0.5 * self.size[1]))
+
+    def outline(self) -> Floats:
+        c, s = np.cos(np.radians(self.angle)), np.sin(np.radians(self.angle))
+        a, b = (0.5 * side for side in self.size)
+        x, y = np.array([[-a, a, a, -a, -a], [-b, -b, b, b, -b]])
+        rim = np.stack([c * x - s * y, s * x + c * y, 0.0 * x], axis=1)
+        return np.asarray(self._at(rim) + rim)
 
     @property
     def _narrowest(self) -> float:
