@@ -50,6 +50,7 @@ LITTLE = (
 GAINLESS = 3  # such levels in a row, after which refining ends
 GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
 QUARTICS = "order 4: quartics follow a chart so closely that its shape takes no triangles of its own"
+CHOICES = ("kind ", "element ", "order ", "linear: the largest deflection")
 BYTES, BYTES_MORLEY = 30e3, 4e3  # memory of a solve and its estimate for each unknown, about
 
 
@@ -283,7 +284,11 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
     tolerance = float(run.options.tolerance)
     reasons = result.model["reasons"]
     if first is not None:
-        reasons[:] = [*dict.fromkeys([*first.result.model["reasons"], *reasons])]
+        # what held this model to that of the first answer was not asked for, and the first answer has its size
+        chosen_first = first.result.model["reasons"]
+        reasons[:] = [
+            *dict.fromkeys([*chosen_first, *(words for words in reasons if not words.startswith(CHOICES))])
+        ]
         if (
             first.result.error["budget"]["large_deflection"] is not None
             and not first.result.model["large_deflection"]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import flat_triangles
+from kshell.draw.surface_plot import round_scale
 from kshell.result.result import Result
 from kshell.result.vtu import at_nodes
 
@@ -63,18 +64,21 @@ def history_figure(result: Result) -> Figure:
 
 
 def film_figure(result: Result) -> Figure:
-    """States evenly chosen from those kept, drawn to scale from one side."""
+    """States evenly chosen from those kept, from one side: small deflections enlarged, large ones to scale."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     chosen = np.unique(np.linspace(0, len(result.series) - 1, FRAMES).round().astype(int))
     rest, triangles = flat_triangles(result.mesh, result.rows)
-    places = []
+    moves = []
     for number in chosen:
         state = result.series[number][1]()
         u = at_nodes(
             state.rows, "displacement", state.fields["displacement"], state.fields, state.edge_fields
         )
-        places.append(rest + u)
+        moves.append(u)
+    large = bool(result.model["large_deflection"])
+    scale = 1.0 if large else round_scale(max(float(np.linalg.norm(u, axis=1).max()) for u in moves), result)
+    places = [rest + scale * u for u in moves]
     low = np.min([place.min(axis=0) for place in places], axis=0)
     high = np.max([place.max(axis=0) for place in places], axis=0)
     middle, extent = 0.5 * (low + high), np.maximum(high - low, 0.15 * (high - low).max())
@@ -93,8 +97,11 @@ def film_figure(result: Result) -> Figure:
         axes.view_init(**VIEW)
         axes.set_axis_off()
         axes.set_title(f"t = {result.series[number][0]:.4g}", fontsize=10)
-    if result.title:
-        figure.suptitle(result.title)
+    words = [result.title] if result.title else []
+    if scale != 1.0:
+        words.append(f"displacements drawn {scale:g} times as large")
+    if words:
+        figure.suptitle("\n".join(words))
     return figure
 
 

@@ -42,7 +42,11 @@ LIGHT = np.array([0.3, -0.5, 0.8]) / np.linalg.norm([0.3, -0.5, 0.8])
 
 def drawn_scale(result: Result) -> float:
     """A round number by which displacements are drawn, so that the largest is seen but small."""
-    largest = float(np.linalg.norm(result.fields["displacement"], axis=1).max())
+    return round_scale(float(np.linalg.norm(result.fields["displacement"], axis=1).max()), result)
+
+
+def round_scale(largest: float, result: Result) -> float:
+    """The same for the largest of several states."""
     if largest == 0.0:
         return 1.0
     exact = LARGEST_SHOWN * result.mesh.size / largest

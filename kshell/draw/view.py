@@ -16,6 +16,7 @@ from kshell.values.naming import listing, suggestion
 if TYPE_CHECKING:
     from kshell.result.result import Result
 
+ABOVE = 0.16  # of half the height of the picture, by which the surface stands above its middle
 QUADRATIC_TRIANGLE, TRIANGLE = 22, 5  # numbers of the cells of VTK
 
 
@@ -85,8 +86,15 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
         smooth_shading=True,
         show_edges=result.mesh.midpoints is None and len(result.mesh.triangles) <= FEW_TRIANGLES,
         edge_opacity=0.25,
-        ambient=0.35,
-        scalar_bar_args={"title_font_size": 18, "label_font_size": 15, "position_y": 0.03, "height": 0.1},
+        ambient=0.5,
+        diffuse=0.5,  # with ambient light: no brighter than the colours of the bar, or pale ones would turn white
+        scalar_bar_args={
+            "title": f"{label}\n",  # a line between it and the numbers
+            "title_font_size": 18,
+            "label_font_size": 15,
+            "position_y": 0.02,
+            "height": 0.14,
+        },
     )
     outline = surface.extract_feature_edges(manifold_edges=False, feature_angle=30.0)
     if outline.n_points:
@@ -112,5 +120,7 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
     view = seeing(nodes, triangles, found[0].node) if found else USUAL
     plotter.show_axes()
     plotter.view_vector(towards(*view), viewup=(0.0, 0.0, 1.0))
-    plotter.camera.zoom(1.05)
+    plotter.camera.zoom(0.95)
+    # the surface above the middle: its bar of colours is below, with a title that no mark may cover
+    plotter.camera.SetWindowCenter(0.0, -ABOVE)
     return plotter

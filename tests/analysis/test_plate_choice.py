@@ -52,6 +52,8 @@ def test_straight_edges_with_nodes_in_their_middle_are_answered_after_a_look_at_
     plane = ks.geometry.Plane().mesh(3, 3, u_range=(0, 1), v_range=(0, 1), order=2, names=("edge",) * 4)
     scene = dataclasses.replace(clamped(plane, 1e-3, centre=(0.5, 0.5, 0.0)), solve={})
     found, other = (ks.solve(scene, tolerance=1e-3, element=element) for element in ("auto", "argyris"))
+    assert not any("as asked for" in words for words in found.model["reasons"])
+    assert sum(words.startswith("kind ") for words in found.model["reasons"]) == 1
     w = other.probe("centre")["u"][2]
     assert found.probe("centre")["u"][2] == pytest.approx(w, rel=2e-3)
 

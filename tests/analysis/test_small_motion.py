@@ -333,3 +333,7 @@ def test_what_is_written(tmp_path):
     assert (tmp_path / "series.pvd").read_text().count("step-") == len(result.series) == 3
     assert (tmp_path / "history.png").stat().st_size > 1000
     assert {"history", "film"} <= set(pictures(result))
+    words = result.plot("film").get_suptitle()
+    enlarged = float(words.split("drawn ")[1].split(" times")[0])
+    largest = max(np.abs(state().fields["displacement"]).max() for _, state in result.series)
+    assert 0.03 < enlarged * largest / result.mesh.size < 0.11

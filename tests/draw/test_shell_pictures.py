@@ -96,3 +96,5 @@ def test_stills_by_pyvista(tmp_path, monkeypatch):
     inside = image[250:650, 300:900].reshape(-1, 3)
     assert len(np.unique(inside, axis=0)) > 50  # a field, not an empty window
     assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
+    pale = stills.still(result, "force_yy")[250:650, 300:900].reshape(-1, 3).astype(int)
+    assert (pale[:, 2] - pale[:, 0] > 8).sum() > 5000  # small negative forces are bluish, not white
