@@ -182,7 +182,8 @@ class Assessment:
             for name, p in self.probes.items()
         }
         for name, p in self.probes.items():
-            result.probes[name]["u"] = p.value
+            if not np.array_equal(p.value, result.motion_at_probe(name)):
+                result.probes[name]["u"] = result.probe_motions[name] = p.value
         if self.why_not:
             error["why_not"] = self.why_not
         budget: dict[str, Any] = error["budget"]

@@ -71,7 +71,7 @@ def assess_averages(
         out.parts[name] = safety * np.sqrt(own * dual)
         width = float(out.parts[name].sum())
         along = np.array([0.0, 0.0, width])
-        value = np.asarray(result.probes[name]["u"], dtype=float)
+        value = result.motion_at_probe(name)
         out.probes[name] = Interval(value, along, along / (2.0 * safety), "estimated")
         out.marks[name] = goal_marks(own, dual)
     out.geometry = _chords(problem) if isinstance(model, PlateModel) else geometry_share(problem.domain)

@@ -48,7 +48,7 @@ def assess_residual(
         out.duals[name], dual = model.duals[name]
         out.parts[name] = np.sqrt(own * dual)
         half = float(out.parts[name].sum())
-        out.probes[name] = _along_z(result.probes[name]["u"], half, LIKELY * half, "estimated")
+        out.probes[name] = _along_z(result.motion_at_probe(name), half, LIKELY * half, "estimated")
         out.marks[name] = goal_marks(own, dual)
     out.geometry = geometry_share(problem.domain)
     return out

@@ -119,7 +119,7 @@ def shear_share(
     if probe is None:
         return resolved(products(problem, [d], centres, strong), stored)
     at = np.array(problem.structure.probes[probe])
-    w = float(np.asarray(result.probes[probe]["u"])[2])
+    w = float(result.motion_at_probe(probe)[2])
     deflections = d[problem.layout.vertex_dofs(np.arange(problem.layout.vertex_count))[:, 0]]
     if not abs(w) > ZERO * np.abs(deflections).max():
         found = resolved(products(problem, [d], centres, strong), stored)

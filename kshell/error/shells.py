@@ -101,7 +101,7 @@ def _assess(
     safety: float,
     kept: dict[Any, Any] | None = None,
 ) -> Assessment:
-    """`kept` has the estimates of duals that were found before, by probe and axis."""
+    """`kept` has the axes along which probes move, by probe, and the estimates of duals, by probe and axis."""
     kept = {} if kept is None else kept
     problem = model.problem
     basis = problem.reduction.basis
@@ -114,8 +114,12 @@ def _assess(
     out.parts[ENERGY] = 0.5 * safety * own
     left, names = duals
     for name in names:
-        rows = [basis.T @ model.probe_row(name, letter) for letter in "xyz"]
-        moving = [k for k in range(3) if np.any(rows[k])]
+        rows: dict[int, Floats] = {}
+        if name not in kept or any((name, k) not in kept for k in kept[name]):
+            every = (np.asarray(basis.T @ model.probe_row(name, letter)) for letter in "xyz")
+            rows = {k: row for k, row in enumerate(every) if np.any(row)}
+            kept[name] = tuple(rows)
+        moving: tuple[int, ...] = kept[name]
         if len(moving) > left:
             break
         left -= len(moving)
@@ -123,11 +127,11 @@ def _assess(
         mark = np.zeros(len(own))
         for k in moving:
             if (name, k) not in kept:
-                kept[name, k] = averages.local(strain_of(basis @ solve(np.asarray(rows[k]))))
+                kept[name, k] = averages.local(strain_of(basis @ solve(rows[k])))
             both = np.sqrt(own * kept[name, k])
             width[k] = safety * float(both.sum())
             mark += both
-        value = np.asarray(result.probes[name]["u"], dtype=float)
+        value = result.motion_at_probe(name)
         out.probes[name] = Interval(value, width, width / (2.0 * safety), "estimated")
         out.marks[name], out.parts[name] = mark, safety * mark
     out.geometry = geometry_share(model, strain)
@@ -160,7 +164,9 @@ def shape_marks(model: KoiterModel, strain: Floats) -> Floats:
 def _shares(model: KoiterModel, membrane: Floats, bending: Floats) -> Floats:
     problem = model.problem
     mesh = problem.space
-    turn = turn_of_triangles(mesh)
+    if "turn" not in model.estimates:  # as the mesh, the same under all loads
+        model.estimates["turn"] = turn_of_triangles(mesh)
+    turn: Floats = model.estimates["turn"]
     known = model.order if problem.structure.chart is not None else min(model.order, order_of(mesh))
     if known > 2:
         stretched = membrane / np.maximum(membrane + bending, 1e-300)

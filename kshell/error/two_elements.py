@@ -53,7 +53,7 @@ def assess_difference(
     out.energy = Estimate(own, half, LIKELY * half, "estimated", WHY_NOT)
     share = abs(own - stored) / abs(own) if own != 0.0 else 0.0
     for name in names:
-        value = np.asarray(result.probes[name]["u"], dtype=float)
+        value = result.motion_at_probe(name)
         moved = np.array([other.probe_row(name, letter) @ its.x for letter in "xyz"])
         off = np.abs(value - moved) + share * np.abs(value)
         out.probes[name] = Interval(value, off, LIKELY * off, "estimated")

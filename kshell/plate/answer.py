@@ -104,6 +104,7 @@ def _recovered(
         probes=probed.values,
         sheets=probed.sheets,
         probe_triangles=probed.triangles,
+        probe_motions=probed.motions,
         reactions=reactions.groups,
         along_supports=reactions.along,
         balance=reactions.balance,
@@ -130,6 +131,10 @@ class Above:
     def at(self, points: Floats) -> dict[str, Floats]:
         """At the nearest points."""
         return self._measured(self.fields.at(points), points)
+
+    def motion(self, points: Floats) -> Floats:
+        """(n, 3) the displacement u of `at` alone."""
+        return self.fields.motion(points)
 
     def on(self, points: Floats, group: str) -> dict[str, Floats]:
         """At the nearest points of a surface group."""

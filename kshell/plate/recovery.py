@@ -258,6 +258,12 @@ class Fields:
         """
         return self.values_at(self.lines.find(points))
 
+    def motion(self, points: Floats) -> Floats:
+        """(n, 3) the displacement u of `at` alone."""
+        found = self.lines.find(points)
+        w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
+        return np.stack([0.0 * w, 0.0 * w, w], axis=1)
+
     def all_at(self, points: Floats) -> dict[str, Floats]:
         """As `at`, and stress_middle (n, 3), which layers that warm leave."""
         found = self.lines.find(points)

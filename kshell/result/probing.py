@@ -29,6 +29,9 @@ class Evaluates(Protocol):
     def at(self, points: Floats) -> dict[str, Floats]:
         """At the nearest points; where sheets meet of that with the largest stress."""
 
+    def motion(self, points: Floats) -> Floats:
+        """(n, 3) the displacement u of `at` alone."""
+
     def on(self, points: Floats, group: str) -> dict[str, Floats]:
         """At the nearest points of a surface group."""
 
@@ -49,12 +52,15 @@ class Probed:
     warnings : list of str
     triangles : mapping of (name, surface group) to int
         Whose the values are; of those in `values` the group is empty.
+    motions : mapping of name to (3,) array
+        The displacements in `values`, which cost less than all of them.
     """
 
     values: Deferred[dict[str, Any]] = field(default_factory=Deferred)
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     triangles: Deferred[int] = field(default_factory=Deferred)
+    motions: Deferred[Floats] = field(default_factory=Deferred)
 
 
 def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, what: str) -> Probed:
@@ -76,6 +82,7 @@ def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, wha
             later = _Later(fields, point)
             out.values.make(name, later.completed)
             out.triangles.make((name, ""), later.triangle)
+            out.motions.make(name, later.motion)
             continue
         found = fields.at(point[None]) if on is None else fields.on(point[None], on)
         values = {key: value[0] for key, value in found.items()}
@@ -118,6 +125,11 @@ class _Later:
 
     def completed(self) -> dict[str, Any]:
         return _completed(self._values)
+
+    def motion(self) -> Floats:
+        if "_values" in self.__dict__:
+            return np.asarray(self._values["u"], dtype=float)
+        return self._fields.motion(self._point[None])[0]
 
     def triangle(self) -> int:
         return int(self._values["triangle"])

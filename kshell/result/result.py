@@ -85,6 +85,8 @@ class Result:
         Values as in `probes` of every sheet that meets at a probe.
     probe_triangles : dict of (probe, surface group) to int
         Triangles of the values of probes, with an empty group, and of `sheets`.
+    probe_motions : dict of probe to (3,) array
+        Displacements u as they were found, at probes whose other values are found when they are looked at.
     nodal_values : str
         How values at vertices are made.
     writer : callable, optional
@@ -177,6 +179,7 @@ class Result:
     writer: Callable[..., list[str]] | None = None
     sheets: dict[str, dict[str, dict[str, Any]]] = field(default_factory=dict)
     probe_triangles: MutableMapping[tuple[str, str], int] = field(default_factory=dict)
+    probe_motions: MutableMapping[str, Floats] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.rows is None:
@@ -217,6 +220,12 @@ class Result:
                 f'no probe "{name}": {suggestion(name, self.probes)}the probes are {listing(self.probes)}'
             )
         return self.probes[name]
+
+    def motion_at_probe(self, name: str) -> Floats:
+        """(3,) the displacement u of a probe, without finding its other values."""
+        if name in self.probe_motions:
+            return self.probe_motions[name]
+        return np.asarray(self.probes[name]["u"], dtype=float)
 
     def at(self, points: ArrayLike) -> dict[str, Floats]:
         """Values at any points (n, 3) or (3,), as for a probe; arrays have one row per point.

@@ -14,7 +14,6 @@ from kshell.result.probing import Probed, probe_values
 from kshell.result.result import Result, no_error_estimate
 from kshell.shell.fields import ShellFields
 from kshell.shell.group_reactions import find_reactions
-from kshell.shell.means import split_patches
 from kshell.shell.problem import ShellProblem
 
 Floats = NDArray[np.float64]
@@ -102,10 +101,9 @@ def _fields(problem: ShellProblem, recovery: Any, warmed: float | None) -> Shell
     """`warmed`: by what part of the temperatures; None where they do not act."""
     left = None if warmed is None or not problem.loads.warmth else problem.left_stress(warmed)
     offset = problem.structure.offset
-    patches, angles = problem.discretisation.patches()
-    patches = split_patches(problem.space, patches, problem.jumps)
-    find = problem.locator.find
-    return ShellFields(problem.space, recovery, problem.section, offset, patches, angles, find, left)
+    _, angles = problem.discretisation.patches()
+    find, pieces, rows = problem.locator.find, problem.pieces, problem.rows
+    return ShellFields(problem.space, recovery, problem.section, offset, pieces, rows, angles, find, left)
 
 
 def _answer(
@@ -163,6 +161,7 @@ def _answer(
         probes=probed.values,
         sheets=probed.sheets,
         probe_triangles=probed.triangles,
+        probe_motions=probed.motions,
         reactions=groups,
         along_supports=along,
         balance=balance,

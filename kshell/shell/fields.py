@@ -47,6 +47,8 @@ class ShellFields:
         Of the middle of the material above the mesh.
     patches : (triangle,) int array
         Smooth pieces, over which values are averaged.
+    rows : Rows
+        Of these pieces.
     corner_angles : (triangle, 3)
     find : function
         Points (n, 3) to the nearest ones of the mesh.
@@ -61,13 +63,14 @@ class ShellFields:
         section: Section,
         offset: Floats,
         patches: Ints,
+        rows: Rows,
         corner_angles: Floats,
         find: Callable[[Floats], Nearest],
         left: Left | None = None,
     ) -> None:
         self.mesh, self.recovery, self.find = mesh, recovery, find
         self._recovered = Recovered(recovery, section, offset, left)
-        self._vertices = VertexFields(mesh, self._recovered, patches, corner_angles)
+        self._vertices = VertexFields(mesh, self._recovered, patches, rows, corner_angles)
 
     @property
     def vertex_fields(self) -> Deferred[Floats]:
@@ -132,8 +135,17 @@ class ShellFields:
                         out[name][k] = value
         return {**out, "distance": np.linalg.norm(out["x"] - points, axis=1)}
 
+    def motion(self, points: Floats) -> Floats:
+        """(n, 3) the displacement u of `at` alone."""
+        found = self.find(np.asarray(points, dtype=float))
+        parts = [
+            self._recovered.displacement(xi[None], triangle[None])[0][0]
+            for triangle, xi in zip(found.triangles, found.xi, strict=True)
+        ]
+        return np.concatenate([np.zeros((0, 3)), *parts])
+
     def on(self, points: Floats, group: str) -> dict[str, Floats]:
-        """The same on the triangles of a surface group."""
+        """The values of `at` on the triangles of a surface group."""
         chosen = np.asarray(self.mesh.groups[group].members, dtype=np.int64)
         nodes = self.mesh.points[self.mesh.triangles[chosen]]
         if self.mesh.midpoints is not None:

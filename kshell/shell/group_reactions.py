@@ -59,7 +59,6 @@ def find_reactions(
     along : dict of label to dict
         Reactions along lines, as of `Result.reaction_along`.
     """
-    about_origin = discretisation.rigid_motions(np.zeros(3), 1.0, moved)
     centre, size = discretisation.extent()
     scaled = discretisation.rigid_motions(centre, size, moved)
     sizes = discretisation.unknown_sizes()
@@ -75,6 +74,7 @@ def find_reactions(
 
     @cache
     def groups() -> dict[str, dict[str, Floats]]:
+        about_origin = discretisation.rigid_motions(np.zeros(3), 1.0, moved)
         out: dict[str, dict[str, Floats]] = {}
         for label, forces in [*shared(), *springs]:
             total = about_origin.T @ forces

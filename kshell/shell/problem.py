@@ -19,6 +19,7 @@ from kshell.material.materials import rotated
 from kshell.mesh import quadratic
 from kshell.mesh.closest import Locator
 from kshell.mesh.words import place
+from kshell.result.rows import Rows
 from kshell.scene.lines import shell_lines
 from kshell.scene.loads import Temperature
 from kshell.scene.structure import Structure
@@ -27,6 +28,7 @@ from kshell.shell.discretisation import Discretisation
 from kshell.shell.held import Hanging, require_held
 from kshell.shell.links import SMALL_ONLY, with_links
 from kshell.shell.loads import ShellLoads, apply_loads
+from kshell.shell.means import split_patches
 from kshell.shell.section import Section as Stiffness
 from kshell.shell.shape_checks import shape_warnings
 from kshell.shell.supports import ShellSupports, apply_supports
@@ -35,6 +37,8 @@ Floats = NDArray[np.float64]
 
 # an angle between x and the normal below which the projection of x says little
 NEARLY_NORMAL = np.radians(10.0)
+# what of `ShellProblem.shared` depends on no support and no load
+OF_MESH = ("locator", "of shape")
 
 
 class ShellProblem:
@@ -73,7 +77,8 @@ class ShellProblem:
         self.loads: ShellLoads = apply_loads(structure, discretisation, self.energy, self.supports.links)
         self.reduction: Reduction = with_links(self.supports.conditions.reduction(), self.supports.links)
         self.springs: sp.csr_matrix | None = self.supports.springs
-        self._of_shape: list[list[str]] = []
+        # what does not depend on the loads' sizes, found once; shared with the copies under other loads
+        self.shared: dict[str, Any] = {}
         self.hanging: list[Hanging] = []
         if not structure.movable:
             self.hanging = require_held(self.space, discretisation, self.reduction, self.springs)
@@ -113,6 +118,7 @@ class ShellProblem:
         out = copy.copy(self)
         out.__dict__.pop("load", None)
         out.structure = structure
+        out.shared = {name: found for name, found in self.shared.items() if name in OF_MESH}
         if structure.loads != self.structure.loads:
             out.loads = apply_loads(structure, self.discretisation, self.energy, self.supports.links)
         given = self.reduction.given
@@ -183,20 +189,35 @@ class ShellProblem:
 
         return of
 
-    @cached_property
-    def jumps(self) -> NDArray[np.bool_]:
-        """(edge,) edges inside across which forces or moments jump."""
-        return shell_lines(self.structure)
+    @property
+    def pieces(self) -> NDArray[np.integer]:
+        """(triangle,) smooth pieces, cut along edges inside across which forces or moments jump."""
+        if "pieces" not in self.shared:
+            smooth, _ = self.discretisation.patches()
+            self.shared["pieces"] = split_patches(self.space, smooth, shell_lines(self.structure))
+        found: NDArray[np.integer] = self.shared["pieces"]
+        return found
+
+    @property
+    def rows(self) -> Rows:
+        """What the rows of fields at vertices belong to: vertices, once for each piece."""
+        if "rows" not in self.shared:
+            self.shared["rows"] = Rows.of_patches(self.space, self.pieces)
+        found: Rows = self.shared["rows"]
+        return found
 
     def require_no_links(self) -> None:
         """Raise InputError if a rigid link turns, which is for small deflections only."""
         for link in self.supports.links:
             raise InputError(f"{link.item}: {SMALL_ONLY}")
 
-    @cached_property
+    @property
     def locator(self) -> Locator:
         """Of points on the surface at rest."""
-        return Locator.of(self.space)
+        if "locator" not in self.shared:
+            self.shared["locator"] = Locator.of(self.space)
+        found: Locator = self.shared["locator"]
+        return found
 
     def forces_at(self, state: State) -> list[Floats]:
         """(unknowns,) force of each load in a state."""
@@ -209,9 +230,9 @@ class ShellProblem:
     def warnings(self) -> list[str]:
         """What the user should know about the model."""
         out = [*self.supports.warnings, *self.loads.warnings]
-        if not self._of_shape:  # shared with the copies under other loads
-            self._of_shape.append(shape_warnings(self.space, self.discretisation, self.section))
-        out += self._of_shape[0]
+        if "of shape" not in self.shared:
+            self.shared["of shape"] = shape_warnings(self.space, self.discretisation, self.section)
+        out += self.shared["of shape"]
         out += self._axes_warnings()
         out += self.discretisation.warnings()
         still = not np.any(self.load) and self.loads.initial is None

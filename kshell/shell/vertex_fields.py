@@ -169,12 +169,16 @@ class VertexFields:
     recovered : Recovered
     patches : (triangle,) int array
         Smooth pieces, over which values are averaged.
+    rows : Rows
+        Of these pieces.
     corner_angles : (triangle, 3)
     """
 
-    def __init__(self, mesh: Mesh, recovered: Recovered, patches: Ints, corner_angles: Floats) -> None:
+    def __init__(
+        self, mesh: Mesh, recovered: Recovered, patches: Ints, rows: Rows, corner_angles: Floats
+    ) -> None:
         self.mesh, self.recovered, self.patches, self.corner_angles = mesh, recovered, patches, corner_angles
-        self.rows = Rows.of_patches(mesh, patches)
+        self.rows = rows
 
     @cached_property
     def every(self) -> CornerMeans:

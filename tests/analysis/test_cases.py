@@ -347,3 +347,28 @@ def test_solved_together_as_alone(element, n):
     assert forces[:, 1] == pytest.approx(
         model.product()(motions[:, 1]), rel=1e-12, abs=1e-12 * np.abs(forces).max()
     )
+
+
+@pytest.mark.parametrize("place", [(0.5, 0.5, 0.0), (0.3, 0.41, 0.0), (0.7, 0.2, 0.5)])
+@pytest.mark.parametrize("element", ["morley", "argyris", "hhj"])
+def test_motion_of_a_probe_of_a_plate_is_that_of_its_values(element, place):
+    result = ks.solve(plate(cases=(), combinations=(), probes={"p": place}), element=element, error="off")
+    found = result.motion_at_probe("p")
+    assert np.abs(found).max() > 0
+    assert found == pytest.approx(result.probe("p")["u"], rel=1e-12)
+    assert found == pytest.approx(result.at(place)["u"][0], rel=1e-12)
+
+
+@pytest.mark.parametrize("angle", [0.35, 0.3])
+def test_motion_of_probes_of_a_shell_is_that_of_their_values_in_each_case(angle):
+    place = (25 * np.cos(angle), 25 * np.sin(angle), 12.5)
+    result = ks.solve(roof(probes={"p": place}))
+    for case in result.cases.values():
+        found = case.motion_at_probe("p")
+        assert np.abs(found).max() > 0
+        assert found == pytest.approx(case.probe("p")["u"], rel=1e-9)
+        alone = ks.solve(case.scene)
+        assert alone.probe("p")["u"] == pytest.approx(case.probe("p")["u"], rel=1e-9)
+        for part in ("half_width", "expected"):
+            mine, its = (r.error["probes"]["p"]["u"][part] for r in (case, alone))
+            assert mine == pytest.approx(its, rel=1e-6)

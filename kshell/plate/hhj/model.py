@@ -178,6 +178,7 @@ class HHJModel(Model):
             probes=probed.values,
             sheets=probed.sheets,
             probe_triangles=probed.triangles,
+            probe_motions=probed.motions,
             reactions=forces.groups,
             along_supports=forces.along,
             balance=forces.balance,
