@@ -58,6 +58,15 @@ class Rows:
         s, _ = interval_rule(POINTS)
         corners = VERTICES[AROUND]  # (side, end, 2)
         self.points = corners[:, :1] + s[:, None] * (corners[:, 1:] - corners[:, :1])  # (side, point, 2)
+        self._basis = problem.element.basis
+        self._tables: dict[tuple[int, bytes], Floats] = {}
+
+    def table(self, order: int, xi: Floats) -> Floats:
+        """(derivative, 21, point) of the basis at reference points (point, 2), the same for all triangles."""
+        key = order, xi.tobytes()
+        if key not in self._tables:
+            self._tables[key] = np.moveaxis(self._basis.tabulate(xi, order), 0, 2)
+        return self._tables[key]
 
     @cached_property
     def moment(self) -> Floats:
@@ -171,10 +180,6 @@ class Tractions(ABC):
 class ConstantTractions(Tractions):
     """With a stiffness that is constant in each triangle, and no initial curvature."""
 
-    def _table(self, order: int, xi: Floats) -> Floats:
-        """(derivative, 21, point) at reference points (point, 2)."""
-        return np.moveaxis(self.basis.tabulate(xi, order), 0, 2)
-
     def _rows(self, row: Floats, table: Floats) -> Floats:
         """(T, k, point) rows (T, derivative) on the derivatives in a table."""
         count, k, n = self.reference.shape
@@ -185,13 +190,13 @@ class ConstantTractions(Tractions):
         return out
 
     def inside(self, xi: Floats) -> Floats:
-        return self._rows(self.rows.inside, self._table(4, xi))
+        return self._rows(self.rows.inside, self.rows.table(4, xi))
 
     def sides(self) -> tuple[Floats, Floats]:
         count, k = self.reference.shape[:2]
         normal, force = np.empty((2, count, k, 3, POINTS))
         for side, rows in enumerate(self.rows.sides):
-            second, third = (self._table(order, self.points[side]) for order in (2, 3))
+            second, third = (self.rows.table(order, self.points[side]) for order in (2, 3))
             normal[:, :, side], force[:, :, side] = self._rows(rows[0], second), self._rows(rows[1], third)
         return normal, force
 

@@ -69,7 +69,7 @@ def _recovered(
     mesh = problem.mesh
     fields = problem.fields(d)
     finder = ReactionFinder(
-        problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending
+        problem.domain, problem.layout, problem.reduction, problem.supports, problem.bending, problem.shared
     )
     reactions = finder.find(d, problem.loads.forms, fields, inertia)
     warnings = [*problem.warnings(), *warnings]

@@ -81,11 +81,14 @@ class CornerForces:
         bending: Bending,
         loads: list[LinearForm],
         fields: Fields,
+        kept: dict[Any, Any],
     ) -> None:
         self._domain, self._bending, self._loads, self._fields = domain, bending, loads, fields
         self._supports = supports
         self._at_rest = not reduction.particular.any()
-        self.corners = self._find() if fields.polynomial_moments else []
+        if "corners" not in kept:
+            kept["corners"] = self._find() if fields.polynomial_moments else []
+        self.corners: list[Corner] = kept["corners"]
 
     def _find(self) -> list[Corner]:
         mesh, boundary = self._domain.mesh, self._domain.boundary

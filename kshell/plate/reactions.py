@@ -62,8 +62,16 @@ class ReactionFinder:
     """Collects reactions group by group."""
 
     def __init__(
-        self, domain: Domain, layout: Layout, reduction: Reduction, supports: Supports, bending: Bending
+        self,
+        domain: Domain,
+        layout: Layout,
+        reduction: Reduction,
+        supports: Supports,
+        bending: Bending,
+        kept: dict[Any, Any] | None = None,
     ) -> None:
+        """`kept` has what only depends on where supports are, for further loads."""
+        self.kept = {} if kept is None else kept
         self.domain, self.layout, self.reduction, self.supports = domain, layout, reduction, supports
         self.bending = bending
         self.forms: list[Form] = [
@@ -102,7 +110,9 @@ class ReactionFinder:
         for load in self.supports.hold_loads:
             label = next(name for name, form in self.supports.holds if form is load.hold)
             totals[label] = totals[label] + self._rigid_work(load)
-        corners = CornerForces(self.domain, self.reduction, self.supports, self.bending, loads, fields)
+        corners = CornerForces(
+            self.domain, self.reduction, self.supports, self.bending, loads, fields, self.kept
+        )
         groups = {label: self._document(label, total, corners) for label, total in totals.items()}
         along = self._along(d, loads, totals, inertia)
         return Reactions(groups, *self._balance(totals, loads, d, pushed), along)
@@ -137,6 +147,13 @@ class ReactionFinder:
 
     def _shared(self, r: Floats) -> dict[int, dict[int, Floats]]:
         """Work (per_vertex,) that falls to each group, by its number, at vertices that several groups hold."""
+        if "rows of supports" not in self.kept:
+            self.kept["rows of supports"] = self._rows_of_groups()
+        known: dict[int, tuple[Floats, Ints]] = self.kept["rows of supports"]
+        return {v: self._split(v, rows, owner, r) for v, (rows, owner) in known.items()}
+
+    def _rows_of_groups(self) -> dict[int, tuple[Floats, Ints]]:
+        """Rows (n, width) of the conditions at vertices that several groups hold, and the group (n,) of each."""
         held, conditions, layout = self.supports.held, self.supports.conditions, self.layout
         count = np.zeros(len(self.domain.mesh.points), dtype=np.int64)
         for group in held:
@@ -156,7 +173,7 @@ class ReactionFinder:
         for v, tie_rows in self.reduction.ties_of(list(rows)):
             rows[v] += list(tie_rows)
             owner[v] += [-1] * len(tie_rows)
-        return {v: self._split(v, np.array(rows[v]), np.array(owner[v]), r) for v in rows}
+        return {v: (np.array(rows[v]), np.array(owner[v])) for v in rows}
 
     def _split(self, vertex: int, rows: Floats, owner: Ints, r: Floats) -> dict[int, Floats]:
         """The work of the residual at one vertex, group by group, from rows (n, width) of the groups."""

@@ -6,6 +6,7 @@ TOML files (`kshell.scene.arguments`).
 
 from __future__ import annotations
 
+import copy
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import field, fields
@@ -276,7 +277,10 @@ class Scene:
         if name not in factors:
             raise InputError(f'no case "{name}": {suggestion(name, factors)}the cases are {listing(factors)}')
         loads = [load.times(float(f)) for load, f in zip(self.loads, factors[name], strict=True) if f != 0.0]
-        return self.changed(loads=loads, cases=(), combinations=())
+        out = copy.copy(self)  # all else was checked when the scene was made
+        for key, value in (("loads", loads), ("cases", ()), ("combinations", ())):
+            object.__setattr__(out, key, type(getattr(self, key))(value))
+        return out
 
     def changed(self, **changes: Any) -> Scene:
         """The scene with some of its arguments changed."""

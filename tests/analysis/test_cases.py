@@ -372,3 +372,18 @@ def test_motion_of_probes_of_a_shell_is_that_of_their_values_in_each_case(angle)
         for part in ("half_width", "expected"):
             mine, its = (r.error["probes"]["p"]["u"][part] for r in (case, alone))
             assert mine == pytest.approx(its, rel=1e-6)
+
+
+def test_scene_of_a_case_is_as_one_made_anew(tmp_path):
+    scene = plate()
+    mine = scene.of_case("all")
+    anew = scene.changed(loads=list(mine.loads), cases=(), combinations=())
+    for key in ("loads", "cases", "combinations"):
+        assert type(getattr(mine, key)) is type(getattr(anew, key))
+        assert len(getattr(mine, key)) == len(getattr(anew, key))
+    assert len(mine.loads) == 3
+    assert len(scene.cases) == 3  # the scene itself is as it was
+    mine.save(tmp_path / "mine.toml"), anew.save(tmp_path / "anew.toml")
+    assert (tmp_path / "mine.toml").read_text().replace("mine", "anew") == (
+        tmp_path / "anew.toml"
+    ).read_text()
