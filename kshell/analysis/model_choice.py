@@ -103,7 +103,7 @@ def _plate(structure: Structure, options: SolveOptions, why: str) -> ModelChoice
             order, which = int(options.order), f"order {options.order}: as asked for"
         else:
             order, limit = next(pair for pair in HHJ_ORDERS if n <= pair[1])
-            which = f"order {order}: up to {limit} triangles" if np.isfinite(limit) else f"order {order}"
+            which = f"order {order}: up to {limit:g} triangles" if np.isfinite(limit) else f"order {order}"
             which += ", few elements of a high order"
         return ModelChoice("plate", "hhj", order, (why, reason, which))
     if element != "auto":

@@ -58,6 +58,11 @@ def test_straight_edges_with_nodes_in_their_middle_are_answered_after_a_look_at_
     assert found.probe("centre")["u"][2] == pytest.approx(w, rel=2e-3)
 
 
+def test_words_of_an_order_have_whole_numbers():
+    found = ks.solve(clamped(square(2), centre=(0.5, 0.5, 0.0)), element="hhj", error="off")
+    assert any("triangles, few elements" in words and ".0" not in words for words in found.model["reasons"])
+
+
 def test_what_is_named_stays():
     scene = clamped(disk(2), centre=(0.0, 0.0, 0.0))
     assert model(scene, 1e-3, element="argyris")[0] == "argyris"
