@@ -79,8 +79,9 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
         duals = DUALS if names is None else 3 * len(names)
         found = assess(answered.model, answered.state, result, duals, names)
         found.with_share((result.error["budget"]["algebra"] or 0.0) + (found.geometry or 0.0))
-        if answered.model.structure.missed:
-            found.with_loads(answered.model.structure.missed, largest_displacement(result))
+        missed = answered.model.structure.missed_under(run.factors)
+        if missed:
+            found.with_loads(missed, largest_displacement(result))
         found.document(result, run.options.quantity)
         if isinstance(answered.state, Solved):
             account_for_shear(result, answered.model, answered.state, run.options, found.duals)

@@ -28,6 +28,7 @@ DEGREE = 6  # of the rules of the elements, at least
 ROUGH = 3e-3  # of the load, from which it is said; less stands in the budget, and in the intervals, alone
 SMOOTH = 1e-9  # of the size of the load: differences that are left to rounding and to smooth loads
 MOST = 5_000  # triangles that are looked at together
+FEW = 100  # of which most loads act on one
 
 # corners of the four parts of a triangle and of an edge, in their barycentric coordinates
 PARTS = {
@@ -58,10 +59,7 @@ def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: i
         2 or 1; at points nothing is missed.
     """
     none = 0.0, np.zeros(len(members))
-    if dimension == 0 or isinstance(load, Temperature | InitialCurvature | InitialStrain):
-        return none
-    keys, placing = (("stiffness",), ()) if isinstance(load, Elastic) else (load.scaling, load.placing)
-    if not placing and all(is_constant(getattr(load, key, 0.0)) for key in keys):
+    if not _varies(load, dimension):
         return none
     cells = space.triangles if dimension == 2 else space.edges
     found = _Missed(load, space, members, space.points[cells[members]])
@@ -71,6 +69,28 @@ def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: i
     largest = max(float(np.abs(found.moments).max()), 2.0 * float(np.sqrt((single**2).sum())))
     share = largest / found.gross
     return (share, single) if share > SMOOTH else none
+
+
+def _varies(load: Load | Elastic, dimension: int) -> bool:
+    """Whether its size is another one from place to place."""
+    if dimension == 0 or isinstance(load, Temperature | InitialCurvature | InitialStrain):
+        return False
+    keys, placing = (("stiffness",), ()) if isinstance(load, Elastic) else (load.scaling, load.placing)
+    return bool(placing) or not all(is_constant(getattr(load, key, 0.0)) for key in keys)
+
+
+def acts_nowhere(load: Load, space: Mesh, members: Ints, dimension: int) -> bool:
+    """Whether a load that varies is zero on all triangles or edges it acts on, as a patch beside the surface."""
+    if not _varies(load, dimension):
+        return False
+    cells = space.triangles if dimension == 2 else space.edges
+    begin, count = 0, FEW
+    while begin < len(members):
+        some = members[begin : begin + count]
+        if _Missed(load, space, some, space.points[cells[some]]).gross != 0.0:
+            return False
+        begin, count = begin + count, MOST
+    return True
 
 
 def rough_words(load: Load | Elastic, missed: float, dimension: int) -> str:

@@ -20,7 +20,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection, select
 from kshell.scene.exact_supports import Elastic
 from kshell.scene.imperfection import Imperfection
-from kshell.scene.jumps import missed_forces, rough_words
+from kshell.scene.jumps import acts_nowhere, missed_forces, rough_words
 from kshell.scene.loads import Load, PointForce, PointMoment, Pressure, Temperature
 from kshell.scene.mapped import Mapped, keep_resultant
 from kshell.scene.masses import Mass
@@ -169,7 +169,13 @@ class Structure:
     @property
     def missed(self) -> float:
         """Share of loads and springs that is missed because they change faster than they are integrated."""
-        return sum(x.missed for x in self.loads) + sum(x.missed for x in self.supports)
+        return self.missed_under(None)
+
+    def missed_under(self, factors: Sequence[float] | None) -> float:
+        """The same where loads have factors, (load,); those of factor 0 do not act."""
+        acts = [True] * len(self.loads) if factors is None else [f != 0.0 for f in factors]
+        of_loads = sum(x.missed for x, does in zip(self.loads, acts, strict=True) if does)
+        return of_loads + sum(x.missed for x in self.supports)
 
     def at_time(self, time: float) -> Structure:
         """The same with loads and prescribed motions as they are at one time."""
@@ -252,6 +258,8 @@ def _warned(
     """A load, with a warning where it goes into supports that hold it, or changes fast inside triangles."""
     now = load.at_time(0.0) if moving else load
     missed, rough = _missed(now, space)
+    if not moving and not missed and acts_nowhere(now.item, space, now.members(space), _dimension(now)):
+        rough = f"{now.item} is zero wherever it is integrated: nothing comes of it"
     words = "; ".join(part for part in (lost_into_supports(now, supports, space), rough) if part)
     return replace(load, warning=words, missed=missed) if words or missed else load
 
@@ -268,9 +276,13 @@ def _spring(placed: Placed[Support], space: Mesh, moving: bool) -> Placed[Suppor
 
 def _missed(placed: Placed[Any], space: Mesh) -> tuple[float, str]:
     """What is missed of a load or a spring, and words about it."""
-    dimension = 2 if placed.place is None else placed.place.dimension
+    dimension = _dimension(placed)
     missed, _ = missed_forces(placed.item, space, placed.members(space), dimension)
     return missed, rough_words(placed.item, missed, dimension)
+
+
+def _dimension(placed: Placed[Any]) -> int:
+    return 2 if placed.place is None else placed.place.dimension
 
 
 def _directions(given: Any, mesh: Mesh) -> Floats | None:

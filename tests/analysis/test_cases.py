@@ -98,6 +98,20 @@ def test_loads_of_a_case_grow_as_their_factors(scene):
     assert b.fields["displacement"] == pytest.approx(2 * a.fields["displacement"], rel=1e-8, abs=1e-15)
 
 
+def test_intervals_of_a_case_know_nothing_of_loads_that_do_not_act():
+    jump = ks.Pressure("500 * (x > 0.43)", name="jump")
+    scene = plate(
+        loads=[ks.Pressure(-1000, name="snow"), jump],
+        cases=[ks.Case("snow", ["snow"]), ks.Case("jump", ["jump"])],
+        combinations=(),
+    )
+    cases = ks.solve(scene).cases
+    for name, case in cases.items():
+        alone = ks.solve(scene.of_case(name))
+        assert case.error["estimate"] == pytest.approx(alone.error["estimate"], rel=1e-6)
+        assert ("loads" in case.error["budget"]) == (name == "jump")
+
+
 def test_loads_that_are_functions_grow_too():
     load = ks.Traction(lambda x, y, z: (0.0 * x, 0.0 * x, 3.0 + x))
     at = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 0.0]])

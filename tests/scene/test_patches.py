@@ -91,3 +91,14 @@ def test_before_the_wheel_comes_nothing_presses():
     away = ks.Disc(pressure=1.0, centre=(-3, 0.5, 0), radius=0.01)
     result = ks.solve(scene(away, 4), large_deflection=False, error="off")
     assert np.abs(result.fields["displacement"]).max() == 0.0
+    assert any("zero wherever it is integrated" in words for words in result.warnings)
+
+
+def test_only_loads_that_act_nowhere_are_told():
+    above = ks.Disc(pressure=1.0, centre=(0.5, 0.5, 0.3), radius=0.2)
+    for load, told in ((ks.Pressure("1 if x > 2 else 0"), True), (above, True), (DISC, False)):
+        words = ks.solve(scene(load, 8), large_deflection=False, error="off").warnings
+        assert any("zero wherever" in w for w in words) == told
+    passing = ks.Disc(pressure=1.0, centre=("t - 3", 0.5, 0), radius=0.3)
+    moving = resolve(scene(passing, 4), rectangle(4), True)
+    assert not any("zero wherever" in placed.warning for placed in moving.loads)
