@@ -57,7 +57,8 @@ chart(COMPARISONS["l_shape"], rows, facts)
 # ## A Koiter shell
 #
 # The Scordelis-Lo roof. Shells with shear deformation (Kratos and OpenSees bend without it, but on flat triangles) stop
-# where their theory or their geometry does; Argyris elements on the chart have the steepest line.
+# where their theory or their geometry does. Koiter elements of orders 4 to 6 reach 1e-3 with two triangles, 1e-6 with
+# eight.
 
 # %%
 chart(COMPARISONS["scordelis_lo"], rows, facts)
