@@ -14,7 +14,6 @@ from typing import Any
 from kshell.analysis.run import Run
 from kshell.equilibrium.model import Model
 from kshell.errors import InputError
-from kshell.mesh.mesh import Mesh
 from kshell.plate.corner_exponents import corner_exponents
 from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
@@ -26,12 +25,10 @@ SINGULAR = ((1e-4, 5), (0.0, 6))
 MOST = 2000  # triangles of the first mesh up to which high orders cost little
 
 
-def has_curved_edges(model: PlateModel | HHJModel, mesh: Mesh) -> bool:
-    """Whether the plate has curved edges, or its mesh nodes on them."""
+def has_curved_edges(model: PlateModel | HHJModel) -> bool:
+    """Whether edges of the plate are curved; a mesh of order 2 may have straight ones."""
     problem = model.problem
-    return bool(
-        Domain(problem.mesh, True, problem.domain.bent).curves.curved.any() or mesh.midpoints is not None
-    )
+    return bool(Domain(problem.mesh, True, problem.domain.bent).curves.curved.any())
 
 
 def chosen(model: Model, run: Run) -> tuple[Model, tuple[str, ...]]:
@@ -41,9 +38,7 @@ def chosen(model: Model, run: Run) -> tuple[Model, tuple[str, ...]]:
         return model, ()
     named = options.element in ("hhj", "koiter")
     if not named and not (
-        options.element == "auto"
-        and model.element == "argyris"
-        and has_curved_edges(model, model.structure.space)
+        options.element == "auto" and model.element == "argyris" and has_curved_edges(model)
     ):
         return model, ()
     if len(model.structure.space.triangles) > MOST and named:

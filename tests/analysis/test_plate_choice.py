@@ -9,7 +9,7 @@ import pytest
 import kshell as ks
 from kshell.mesh.mesh import Mesh
 from tests.plate.hhj_cases import MATERIAL, l_shape, square
-from tests.plate.plates import EGG_LOAD, annulus, disk, egg
+from tests.plate.plates import EGG_LOAD, annulus, disk, egg, rectangle
 
 
 def clamped(mesh: Mesh, load: float | str = 1.0, **probes: tuple[float, float, float]) -> ks.Scene:
@@ -97,3 +97,22 @@ def test_the_ring_is_known_as_well_as_it_says():
         found = ks.solve(made, tolerance=tolerance)
         off = abs(found.probe("inner")["u"][2] / 0.01605127397524619 - 1)
         assert off <= found.error["estimate"] + 1e-12 <= tolerance
+
+
+def test_a_mesh_of_order_2_with_straight_edges_has_the_bounds_of_one_of_order_1():
+    straight = rectangle(4)
+    middles = straight.points[straight.edges].mean(axis=1)
+    values = []
+    for mesh in (straight, ks.Mesh(straight.points, straight.triangles, middles, straight.groups)):
+        scene = ks.Scene(
+            mesh=mesh,
+            thickness=0.01,
+            material=ks.Isotropic(E=210e9, nu=0.3),
+            supports=[ks.SimplySupported("edge")],
+            loads=[ks.Pressure("1 + x")],
+            probes={"centre": (0.5, 0.5, 0.0)},
+        )
+        result = ks.solve(scene, tolerance=1e-4, large_deflection=False)
+        assert result.error["probes"]["centre"]["u"]["kind"] == "guaranteed"
+        values.append(result.probe("centre")["u"][2])
+    assert values[1] == pytest.approx(values[0], rel=1e-9)
