@@ -223,7 +223,7 @@ def test_drape_to_rest(ipctk):
     assert result.history["contact_force"]["ball"][-1] == pytest.approx([0, 0, -0.25 * G], abs=1e-6)
     assert result.balance < 1e-6
     nothing_crosses(result, scene)
-    assert result.probe("corner")["u"][2] < -0.2
+    assert result.probe("corner")["u"][2] < -0.15  # which folds it hangs in is open
 
 
 @pytest.mark.full

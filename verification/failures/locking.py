@@ -45,8 +45,6 @@ class Pointwise(Koiter):
 
     def __init__(self, surface: Surface, section: Section) -> None:
         super().__init__(surface, section)
-        r = surface.reference.strains
-        bending = self.stiffness[:, r:, r:]
         x = surface.tangents(surface.reference.first)  # (2, 3, triangle, q)
         e1, e2, _ = tangent_frame(x)
         to_frame = np.moveaxis(covariant_to_frame(components(x, e1, e2)), (0, 1), (2, 3))
@@ -57,11 +55,11 @@ class Pointwise(Koiter):
         weight = surface.area_elements * surface.reference.weights
         at_points = np.swapaxes(to_frame, -1, -2) @ a @ to_frame * weight[..., None, None]
         count, q = weight.shape
-        self.stiffness = np.zeros((count, 3 * q + r, 3 * q + r))
+        membrane = np.zeros((count, 3 * q, 3 * q))
         for k in range(q):
-            self.stiffness[:, 3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = at_points[:, k]
-        self.stiffness[:, 3 * q :, 3 * q :] = bending
-        self.strains = 3 * q + r
+            membrane[:, 3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = at_points[:, k]
+        self.constitutive = self.constitutive._replace(membrane=membrane)
+        self.strains = 3 * q + surface.reference.strains
 
     def _state(self, x: Floats, memory: Directors, triangles: slice) -> State:
         state = super()._state(x, memory, triangles)

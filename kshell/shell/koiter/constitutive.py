@@ -68,7 +68,7 @@ class TriangleStiffness(NamedTuple):
         """K times columns (triangle, 2 r, k) of some triangles."""
         r = self.membrane.shape[1]
         c, length = columns[:, :r], columns[:, r:]
-        out = np.empty((len(columns), 2 * r, columns.shape[2]))
+        out = np.empty(columns.shape)
         np.matmul(self.membrane[triangles], c, out=out[:, :r])
         np.matmul(self.bending[triangles], length, out=out[:, r:])
         if self.mixed is not None:
@@ -80,7 +80,8 @@ class TriangleStiffness(NamedTuple):
     def whole(self) -> Floats:
         """(triangle, 2 r, 2 r) K."""
         r = self.membrane.shape[1]
-        out = np.zeros((len(self.membrane), 2 * r, 2 * r))
+        size = r + self.bending.shape[1]
+        out = np.zeros((len(self.membrane), size, size))
         out[:, :r, :r], out[:, r:, r:] = self.membrane, self.bending
         if self.mixed is not None:
             out[:, r:, :r], out[:, :r, r:] = self.mixed, self.mixed.swapaxes(1, 2)
