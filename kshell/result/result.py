@@ -1,4 +1,4 @@
-"""What a solve answers: plain data, with the ways to look at it and to save it.
+"""What a solve answers: plain data. `Asked` has the questions to it, `Kept` its files and pictures.
 
 Fields at vertices, one row per vertex, and where sheets or sections meet one for each of them (`kshell.result.rows`;
 names in `kshell.result.vtu` describe the columns):
@@ -13,31 +13,20 @@ principal_forces, and the frame of all these tensors: frame_axis_1 (3) and norma
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from kshell.errors import InputError, SolveError
-from kshell.mesh.words import clipped
-from kshell.result import doors
-from kshell.result.cases import Envelope
-from kshell.result.document import document
+from kshell.result.asked import Asked
 from kshell.result.extremes import find_extremes
+from kshell.result.kept import Kept
 from kshell.result.page import page
 from kshell.result.rows import Rows
-from kshell.result.saving import in_one_file, save, write_together
-from kshell.result.tables import table_files, tables
-from kshell.scene.line import Line
-from kshell.values.naming import listing, suggestion
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from kshell.mesh.mesh import Mesh
     from kshell.scene.scene import Scene
 
@@ -52,7 +41,7 @@ def no_error_estimate() -> dict[str, Any]:
 
 
 @dataclass(kw_only=True, repr=False)
-class Result:
+class Result(Asked, Kept):
     """The answer of one analysis, in the units of the input.
 
     Attributes
@@ -207,161 +196,6 @@ class Result:
         """(row,) the smallest surface group it belongs to, empty where there is none."""
         return self.rows.group
 
-    def probe(self, name: str) -> dict[str, Any]:
-        """Values at a probe: x, u (3,), rotation (3,), M (3,), N (3,), stress_top (3,), stress_bottom (3,).
-
-        Raises
-        ------
-        InputError
-            If the scene has no probe of that name; the message lists them.
-        """
-        if name not in self.probes:
-            raise InputError(
-                f'no probe "{name}": {suggestion(name, self.probes)}the probes are {listing(self.probes)}'
-            )
-        return self.probes[name]
-
-    def motion_at_probe(self, name: str) -> Floats:
-        """(3,) the displacement u of a probe, without finding its other values."""
-        if name in self.probe_motions:
-            return self.probe_motions[name]
-        return np.asarray(self.probes[name]["u"], dtype=float)
-
-    def at(self, points: ArrayLike) -> dict[str, Floats]:
-        """Values at any points (n, 3) or (3,), as for a probe; arrays have one row per point.
-
-        Returns
-        -------
-        dict
-            x, u, rotation, M, N (n, 3), distance (n,) of the points from x, and where stresses are known stress_top,
-            stress_middle and stress_bottom (n, 3). N of a plate is zero.
-
-        Raises
-        ------
-        InputError
-            If the points are not (n, 3) finite numbers.
-        SolveError
-            If this result only has values at vertices.
-        """
-        x = np.asarray(points, dtype=float)
-        if x.shape[-1:] != (3,) or x.ndim > 2 or not np.isfinite(x).all():
-            raise InputError(f"points of shape {x.shape}: give (n, 3) finite coordinates")
-        if self.evaluate is None:
-            raise SolveError("this result has values at vertices only: look at result.fields")
-        values = {key: value for key, value in self.evaluate(np.atleast_2d(x)).items() if key != "triangle"}
-        if "M" in values:
-            values.setdefault("N", np.zeros_like(values["M"]))
-        return values
-
-    @property
-    def envelope(self) -> Envelope:
-        """Smallest and largest values of all load cases, each with its case.
-
-        Raises
-        ------
-        InputError
-            If the scene has no load cases.
-        """
-        if not self.cases:
-            raise InputError("this result has no load cases, which an envelope is of: give the scene cases")
-        return Envelope(self.cases)
-
-    def along(self, a: ArrayLike, b: ArrayLike, n: int = 101) -> dict[str, Floats]:
-        """Values at n points at equal distances from a to b, as of `at`, and s: how far each is from a.
-
-        Raises
-        ------
-        InputError
-            If the ends are not two points, or n is not a whole number of at least 2.
-        SolveError
-            If this result only has values at vertices.
-        """
-        points = Line("along", a, b, n).points()
-        values = self.at(points)
-        values["distance"] = np.linalg.norm(values["x"] - points, axis=1)
-        return {"s": np.linalg.norm(points - points[0], axis=1), **values}
-
-    def reaction_along(self, support: str) -> dict[str, Any]:
-        """How the reaction of a support is distributed along its lines.
-
-        Parameters
-        ----------
-        support : str
-            A key of `reactions`.
-
-        Returns
-        -------
-        dict
-            line (n,): number of the line, divided at corners; s (n,): length along it; x (n, 3); force and moment
-            (n, 3) per length of the support on the structure, at the ends of every edge and at three points between;
-            ends: list of {"at" (3,), "force" (3,)}, concentrated forces at corners, ends and points; resultant: force
-            and moment (3,) about the origin, of all of these.
-
-        Notes
-        -----
-        The line forces are those whose work on the functions of the element is that of the nodal forces
-        (`kshell.elements.along`), not derivatives of the solution. Supports share nothing but the force at a corner,
-        in equal parts, so that resultants of supports that meet differ from `reactions` by how nodal forces there are
-        shared; their sum does not.
-
-        Raises
-        ------
-        InputError
-            If there is no such support along a line.
-        SolveError
-            If this result does not know it: one that was read from files, or of Argyris shells.
-        """
-        if support in self.along_supports:
-            return self.along_supports[support]
-        if support not in self.reactions:
-            raise InputError(
-                f'no support "{support}": {suggestion(support, self.reactions)}the supports are '
-                f"{listing(self.reactions)}"
-            )
-        if self.along_supports:
-            raise InputError(
-                f'support "{support}" is not along a line: only its resultant is known, result.reactions'
-            )
-        raise SolveError(
-            "this result has the resultants of its supports only (result.reactions): distributions are found by a "
-            "solve, and not of Argyris shells or from files"
-        )
-
-    def cut(self, point: ArrayLike, normal: ArrayLike) -> dict[str, Any]:
-        """Section forces where a plane cuts the surface: what the part on the side of the normal exerts on the other.
-
-        Parameters
-        ----------
-        point : (x, y, z)
-            Any point of the plane.
-        normal : (x, y, z)
-
-        Returns
-        -------
-        dict
-            force and moment (3,), the moment about the centre `at` of the cut; of the force N along the normal and V
-            (3,) across it, of the moment the torque T about the normal and M (3,) across it; length of the cut.
-
-        Notes
-        -----
-        They are integrals of membrane forces, shear forces and moments, and as accurate as these: the moment converges
-        faster with the mesh than the shear force, which is a derivative of moments.
-
-        Raises
-        ------
-        InputError
-            If the plane does not cut the surface.
-        SolveError
-            If this result only has values at vertices.
-        """
-        from kshell.result.cut import cut
-
-        return cut(self, point, normal)
-
-    def tables(self) -> dict[str, list[dict[str, Any]]]:
-        """Rows of all tables that there are: probes, extremes, reactions, eigen, path, lines and the envelope."""
-        return tables(self)
-
     def __repr__(self) -> str:
         what = f"{self.model.get('kind', '?')}, {self.model.get('element', '?')}, {self.unknowns} unknowns"
         cases = f", {len(self.cases)} cases" if self.cases else ""
@@ -370,138 +204,3 @@ class Result:
     def _repr_html_(self) -> str:
         """Picture, probes and warnings, for notebooks."""
         return page(self)
-
-    def to_dict(self) -> dict[str, Any]:
-        """The content of result.json: numbers, text, lists and dicts only.
-
-        Raises
-        ------
-        SolveError
-            If a value is NaN or infinite; the message says which.
-        """
-        return document(self)
-
-    def save(
-        self,
-        folder: str | os.PathLike[str],
-        plots: bool = False,
-        report: bool = False,
-        tables: bool = False,
-        xdmf: bool = False,
-    ) -> list[str]:
-        """Write result.json and result.vtu, and pictures if asked, all of them or none.
-
-        Parameters
-        ----------
-        folder : path
-            Made if it does not exist. Earlier results in it are replaced only when all new files are written.
-        plots : bool
-            Also write deflection.png, moments and stresses, and the mesh with supports and loads.
-        report : bool
-            Also write report.html, see `report`.
-        tables : bool
-            Also write probes.csv, reactions.csv and the other tables.
-        xdmf : bool
-            Write the states of a path or motion as series.xdmf and series.h5 instead of a .vtu file each.
-
-        Returns
-        -------
-        The paths written.
-
-        Raises
-        ------
-        InputError
-            If the folder cannot be written, or h5py is not installed for xdmf.
-        SolveError
-            If a value is NaN or infinite.
-        """
-        files = doors.picture_files(self, plots)
-        if report:
-            files["report.html"] = doors.report_writer(self)
-        if tables:
-            files |= table_files(self)
-        if xdmf:
-            files |= in_one_file(self)
-        return save(self, folder, files) if self.writer is None else self.writer(self, folder, files)
-
-    def report(self, file: str | os.PathLike[str]) -> list[str]:
-        """Write a report: one HTML file that needs no other and no network.
-
-        It has what was asked (scene, mesh, supports, loads, model), what was found (values, pictures, reactions,
-        warnings, error budget), and with what.
-
-        Parameters
-        ----------
-        file : path
-            .html
-
-        Returns
-        -------
-        The paths written.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written, or is not named .html.
-        """
-        path = Path(file)
-        if path.suffix.lower() not in (".html", ".htm"):
-            raise InputError(f"{clipped(path)}: a report is an HTML file: give it a name that ends in .html")
-        return write_together(path.parent, {path.name: doors.report_writer(self)})
-
-    @classmethod
-    def load(cls, folder: str | os.PathLike[str]) -> Result:
-        """The result in a folder that `save`, or `kshell solve -o`, wrote.
-
-        Numbers are those of result.json, fields those at the vertices of result.vtu; `at` interpolates between them
-        linearly, where the result that was saved evaluates its elements.
-
-        Raises
-        ------
-        InputError
-            If there is none, or a file is damaged.
-        """
-        from kshell.result.loading import load_result
-
-        loaded: Result = load_result(folder, cls)
-        return loaded
-
-    def plot(self, what: str = "deflection") -> Figure:
-        """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
-
-        Of shells also "force_xx", "force_yy", "force_xy", "von_mises_middle" and "von_mises_bottom", drawn on the
-        deformed surface. Of modes and buckling "modes" (a grid of all of them), "mode_1", "mode_2", ... and "mesh".
-
-        Returns
-        -------
-        matplotlib Figure, to be saved with `savefig`.
-
-        Raises
-        ------
-        InputError
-            If there is no such picture; the message lists them.
-        """
-        return doors.plot(self, what)
-
-    def show(self, what: str = "deflection", scale: float | None = None, file: str | None = None) -> Any:
-        """The deformed surface in 3D with PyVista, to be turned with the mouse.
-
-        Parameters
-        ----------
-        what : str
-            As for `plot`, except "mesh".
-        scale : float, optional
-            By which displacements are enlarged; absent: so that the largest is a tenth of the size.
-        file : path, optional
-            Save a picture there instead of opening a window.
-
-        Returns
-        -------
-        pyvista.Plotter
-
-        Raises
-        ------
-        InputError
-            If PyVista is not installed: it is the extra "view" of kshell.
-        """
-        return doors.show(self, what, scale, file)
