@@ -7,6 +7,7 @@ motions and recovery. Functions that turn values into forces are a module of the
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
@@ -25,6 +26,8 @@ from kshell.shell.section import Section
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
+# edges, points, forces held, forces of springs, where lines stop, and the motion, to what acts along them
+Distribution = Callable[..., tuple[AlongSupport, NDArray[np.bool_]]]
 
 
 class Conditions(ABC):
@@ -70,12 +73,9 @@ class Discretisation(ABC):
     unknowns : int
     loads : module
         Functions that turn values into forces on the unknowns.
-    knows_along_edges : bool
-        Whether it has `along_edges`.
     """
 
     name: str
-    knows_along_edges: bool = False
     loads: ModuleType
     order: int
     surface: Any
@@ -163,17 +163,9 @@ class Discretisation(ABC):
             Where there are none such.
         """
 
-    def along_edges(
-        self,
-        edges: Ints,
-        points: Ints,
-        forces: Floats,
-        springs: Floats,
-        stops: NDArray[np.bool_],
-        moved: Floats | None = None,
-    ) -> tuple[AlongSupport, NDArray[np.bool_]]:
-        """Forces (unknowns,) of what is held and of springs per length of edges; see `kshell.shell.koiter.along`."""
-        raise NotImplementedError(f"{self.name} does not know forces along edges")
+    def distribution(self) -> Distribution | None:
+        """What distributes forces along edges, as `kshell.shell.koiter.along.along_edges`; None where none is known."""
+        return None
 
     @abstractmethod
     def mass(self, density: Floats) -> sp.csr_matrix:

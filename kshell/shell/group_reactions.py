@@ -108,6 +108,9 @@ def _along(
     loaded: NDArray[np.integer] | None,
 ) -> Deferred[dict[str, Any]]:
     """The distribution of each support that holds lines and points only, where the discretisation knows it."""
+    distribute = discretisation.distribution()
+    if distribute is None:
+        return Deferred({})
     places: dict[str, list[Selection | None]] = {}
     for group in supports.groups:
         places.setdefault(group.label, []).append(group.place)
@@ -126,16 +129,13 @@ def _along(
             np.sum([none, *(f for name, f in parts if name == label)], axis=0)
             for parts in (shared(), springs)
         )
-        found = discretisation.along_edges(
-            members(label, 1), members(label, 0), forces, elastic, stops.copy(), moved
-        )
+        found = distribute(members(label, 1), members(label, 0), forces, elastic, stops.copy(), moved)
         return found[0].document(mesh, found[1])
 
     on_lines = [
         label
         for label, chosen in places.items()
-        if discretisation.knows_along_edges
-        and all(place is not None and place.dimension < 2 for place in chosen)
+        if all(place is not None and place.dimension < 2 for place in chosen)
     ]
     return Deferred({label: partial(find, label) for label in on_lines})
 

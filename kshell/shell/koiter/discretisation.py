@@ -7,7 +7,7 @@ from a scene works with either.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,7 @@ from kshell.equilibrium.reduction import Reduction
 from kshell.material.inelastic import Inelastic
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
-from kshell.result.along_supports import AlongSupport
-from kshell.shell.discretisation import Conditions, Discretisation
+from kshell.shell.discretisation import Conditions, Discretisation, Distribution
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
 from kshell.shell.koiter import loads
@@ -81,7 +80,6 @@ class KoiterDiscretisation(Discretisation):
     """
 
     name = "koiter"
-    knows_along_edges = True
     loads = loads
 
     def __init__(
@@ -219,16 +217,8 @@ class KoiterDiscretisation(Discretisation):
         unknowns = 3 * nodes.astype(np.int64)[:, :, None] + np.arange(3)
         return scattered(unknowns.reshape(len(nodes), -1), blocks, self.unknowns)
 
-    def along_edges(
-        self,
-        edges: Ints,
-        points: Ints,
-        forces: Floats,
-        springs: Floats,
-        stops: NDArray[np.bool_],
-        moved: Floats | None = None,
-    ) -> tuple[AlongSupport, NDArray[np.bool_]]:
-        return along_edges(self.surface, edges, points, forces, springs, stops, moved)
+    def distribution(self) -> Distribution:
+        return partial(along_edges, self.surface)
 
     def moved_rigidly(self, chosen: Selection, what: str) -> Ints:
         """Translations of the nodes, and rotations of the edges."""
