@@ -20,13 +20,15 @@ MOST = 8  # supports drawn: those with the largest forces
 SMALL = 1e-3  # components smaller than this part of the largest of all supports are not drawn
 SOME = 0.02  # forces at ends smaller than this part of the largest resultant are not named
 MOST_ENDS = 2
+ROUNDING = 1e-9  # of the largest resultant, what is nothing
+COLUMNS = 2
 # powers of force and length in their units
 KEYS: dict[str, tuple[int, int]] = {"force": (1, -1), "moment": (1, 0)}
 COLOURS = ("#b2182b", "#1a7a4c", "#2166ac")  # of x, y, z
 
 
 def reactions_figure(result: Result) -> Figure:
-    """One row per support, forces on the left, moments on the right where there are some."""
+    """A panel for the forces of each support, and one for its moments where there are some."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -35,20 +37,24 @@ def reactions_figure(result: Result) -> Figure:
     chosen = sorted(lines, key=lambda name: -np.linalg.norm(lines[name]["resultant"]["force"]))[:MOST]
     chosen = [name for name in lines if name in chosen]
     largest = {key: max((np.abs(lines[n][key]).max() for n in chosen), default=0.0) for key in KEYS}
-    keys = [key for key in KEYS if largest[key] > 0.0] or ["force"]
-    rows = len(chosen)
-    figure = Figure(figsize=(7.5, 2.2 * rows + 0.8), layout="constrained")
+    panels = [
+        (name, key)
+        for name in chosen
+        for key in KEYS
+        if largest[key] > 0.0 and np.abs(lines[name][key]).max() >= SMALL * largest[key]
+    ] or [(name, "force") for name in chosen]
+    columns = min(COLUMNS, len(panels))
+    rows = -(-len(panels) // columns)
+    figure = Figure(figsize=(3.75 * columns, 2.4 * rows + 0.8), layout="constrained")
     FigureCanvasAgg(figure)
-    places = figure.subplots(rows, len(keys), squeeze=False)
-    for row, name in zip(places, chosen, strict=False):
-        for axes, key in zip(row, keys, strict=True):
-            if np.abs(lines[name][key]).max() < SMALL * largest[key]:
-                axes.set_axis_off()
-                continue
-            _curves(axes, lines[name], key, largest[key])
-            axes.set_title(labelled(f"{name}: {key} per length", result.units, *KEYS[key]), fontsize=9)
-            axes.legend(fontsize=8)
-        row[0].set_xlabel(_at_ends(every, name), fontsize=7, loc="left")
+    places = figure.subplots(rows, columns, squeeze=False).ravel()
+    for axes in places[len(panels) :]:
+        axes.set_axis_off()
+    for axes, (name, key) in zip(places, panels, strict=False):
+        _curves(axes, lines[name], key, largest[key])
+        axes.set_title(labelled(f"{name}: {key} per length", result.units, *KEYS[key]), fontsize=9)
+        axes.legend(fontsize=8)
+        axes.set_xlabel(_over(lines[name]) + (_at_ends(every, name) if key == "force" else ""), fontsize=6.5)
     if result.title:
         figure.suptitle(result.title, fontsize=11)
     return figure
@@ -74,14 +80,25 @@ def _curves(axes: Axes, found: dict[str, Any], key: str, largest: float) -> None
     axes.set_xlim(0.0, max(start, 1e-300))
 
 
+def _over(found: dict[str, Any]) -> str:
+    """What is drawn over."""
+    if found["line"][0] != found["line"][-1]:
+        return "length along the lines, one after the other"
+    return f"length from {_place(found['x'][0])} to {_place(found['x'][-1])}"
+
+
+def _place(x: Floats) -> str:
+    return f"({', '.join(f'{part:.4g}' for part in x)})"
+
+
 def _at_ends(every: dict[str, dict[str, Any]], name: str) -> str:
-    """What is drawn over, and the largest forces at ends of a support in words."""
+    """The largest forces at ends of a support in words."""
     scale = max(float(np.linalg.norm(found["resultant"]["force"])) for found in every.values())
     words = []
     ends = sorted(every[name]["ends"], key=lambda end: -float(np.linalg.norm(end["force"])))
     for end in ends[:MOST_ENDS]:
-        if np.linalg.norm(end["force"]) >= SOME * scale:
-            where = ", ".join(f"{x:.4g}" for x in end["at"])
-            force = ", ".join(f"{0.0 if abs(f) < 1e-9 * scale else f:.4g}" for f in end["force"])
-            words.append(f"({force}) at ({where})")
-    return "\n".join(["length along the line", *([f"at ends: {'; '.join(words)}"] if words else [])])
+        force = np.array(end["force"])
+        if np.linalg.norm(force) >= SOME * scale:
+            force[np.abs(force) < ROUNDING * scale] = 0.0
+            words.append(f"\nforce {_place(force)} at {_place(end['at'])}")
+    return "".join(words)
