@@ -14,7 +14,8 @@ from kshell.material.tensors import von_mises
 from kshell.result.peaks import NO_CORNERS, near_peaks
 from kshell.result.result import Result
 from kshell.scene.loads import Load, Temperature
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.scene.thermal import layers_left
 
 Floats = NDArray[np.float64]

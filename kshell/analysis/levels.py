@@ -26,7 +26,7 @@ from kshell.mesh.words import place
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 from kshell.scene.jumps import missed_forces
-from kshell.scene.structure import Placed
+from kshell.scene.placed import Placed
 from kshell.shell.koiter.model import KoiterModel
 
 Floats = NDArray[np.float64]

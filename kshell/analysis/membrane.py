@@ -22,7 +22,8 @@ from kshell.equilibrium.rigid_modes import RigidModes, RigidPart, rigid_modes
 from kshell.errors import InputError
 from kshell.mesh.select import Selection
 from kshell.plate.domain import Domain
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.scene.supports import Clamped, Fixed, SimplySupported
 from kshell.shell.koiter.model import KoiterModel
 from kshell.shell.problem import ShellProblem

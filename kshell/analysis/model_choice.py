@@ -21,7 +21,8 @@ from kshell.mesh.facing import top_words
 from kshell.mesh.words import shown
 from kshell.scene.loads import Temperature, exceeds
 from kshell.scene.options import SolveOptions
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.scene.supports import Elastic, Hinge, RigidLink, Support
 from kshell.scene.thermal import couples
 from kshell.shell.limits import THINNEST, USE_KOITER

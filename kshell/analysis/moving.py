@@ -26,7 +26,8 @@ from kshell.mesh.select import select
 from kshell.result.result import Result
 from kshell.scene.loads import Gravity
 from kshell.scene.motion import Damping
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 
 Floats = NDArray[np.float64]
 M = TypeVar("M", bound=MovingModel)

@@ -18,8 +18,9 @@ from kshell.result.peaks import mark_peaks
 from kshell.result.result import Result
 from kshell.scene.loads import Load, Temperature
 from kshell.scene.options import SolveOptions
+from kshell.scene.placed import Placed
 from kshell.scene.scene import Scene
-from kshell.scene.structure import Placed, Structure, resolve
+from kshell.scene.structure import Structure, resolve
 from kshell.scene.thermal import keeps_stress
 from kshell.values.units_sense import doubts
 

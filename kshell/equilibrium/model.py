@@ -28,7 +28,8 @@ from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError
 from kshell.result.result import Result
 from kshell.scene.loads import Load
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 
 Floats = NDArray[np.float64]
 

@@ -23,7 +23,8 @@ from kshell.scene.loads import (
     Snow,
     Traction,
 )
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.export.nodes import Nodes
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.scene.supports import Clamped, Fixed, Free, SimplySupported, Symmetry
 from kshell.shell.koiter.conormal import across_line
 from kshell.shell.koiter.surface import Surface

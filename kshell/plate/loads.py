@@ -34,7 +34,7 @@ from kshell.scene.loads import (
     Temperature,
     Traction,
 )
-from kshell.scene.structure import Placed
+from kshell.scene.placed import Placed
 from kshell.scene.thermal import couples, free_strain, left_stress
 from kshell.scene.weights import weights
 from kshell.values.degree import polynomial_degree

@@ -26,7 +26,8 @@ from kshell.plate.product import strain_product
 from kshell.result.deferred import Deferred
 from kshell.result.result import Result
 from kshell.scene.loads import Load
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.solvers import Prepared, Solution, prepare
 from kshell.solvers.dense import solve_dense
 from kshell.solvers.direct import Factorisation

@@ -34,7 +34,8 @@ from kshell.plate.rigid import Hanging, drift_warning, require_held
 from kshell.plate.space import plate_space
 from kshell.plate.supports import apply_supports
 from kshell.scene.lines import inner_lines
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.scene.supports import Elastic
 from kshell.solvers import PlateSpace
 from kshell.solvers.dense import DENSE_UP_TO

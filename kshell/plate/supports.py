@@ -22,7 +22,7 @@ from kshell.plate.layout import Layout
 from kshell.plate.places import points_3d
 from kshell.plate.springs import spring_forms
 from kshell.scene.handlers import Handlers
-from kshell.scene.structure import Placed
+from kshell.scene.placed import Placed
 from kshell.scene.supports import Clamped, Elastic, Fixed, Free, SimplySupported, Support, Symmetry
 from kshell.values.degree import polynomial_degree
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from kshell.errors import InputError
-from kshell.scene.structure import Placed
+from kshell.scene.placed import Placed
 
 F = TypeVar("F", bound=Callable[..., None])
 

@@ -31,7 +31,8 @@ from kshell.scene.loads import (
     Temperature,
     Traction,
 )
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.scene.supports import Elastic, Support
 from kshell.scene.thermal import free_strain
 from kshell.values.varying import is_constant

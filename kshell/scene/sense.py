@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +19,9 @@ from kshell.scene.loads import (
     PointMoment,
     Temperature,
 )
+from kshell.scene.placed import Placed
 from kshell.scene.supports import Elastic, Free, SimplySupported, Support
 from kshell.scene.turns import wrong_turns
-
-if TYPE_CHECKING:
-    from kshell.scene.structure import Placed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

@@ -8,97 +8,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Generic, TypeVar, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.errors import InputError, clipped
+from kshell.errors import InputError
 from kshell.material.by_group import per_triangle
 from kshell.material.section import Section, shell_section
 from kshell.mesh.mesh import Mesh
-from kshell.mesh.select import Selection, select
+from kshell.mesh.select import select
 from kshell.scene.exact_supports import Elastic
 from kshell.scene.imperfection import Imperfection
 from kshell.scene.jumps import acts_nowhere, missed_forces, rough_words
-from kshell.scene.loads import Load, PointForce, PointMoment, Pressure, Temperature
+from kshell.scene.loads import Load, Pressure, Temperature
 from kshell.scene.mapped import Mapped, keep_resultant
 from kshell.scene.masses import Mass
-from kshell.scene.normals import with_normals
 from kshell.scene.on_chart import mesh_in_space
+from kshell.scene.placed import Placed
 from kshell.scene.places import Point, ProbePoint
+from kshell.scene.placing import links_by_name, placed_load, placed_masses, placed_supports
 from kshell.scene.scene import Scene
 from kshell.scene.sense import contradictions, lost_into_supports
-from kshell.scene.supports import Clamped, Fixed, RigidLink, Support
+from kshell.scene.supports import Support
 from kshell.scene.thermal import require_expansions
-from kshell.values.time import at_time, depends_on_time
 
 Floats = NDArray[np.float64]
-T = TypeVar("T", Load, Support, Mass)
-
-
-@dataclass(frozen=True, eq=False)
-class Placed(Generic[T]):
-    """A load, support or added mass with the part of the mesh it acts on.
-
-    Attributes
-    ----------
-    item : Load, Support or Mass
-    place : Selection, optional
-        Vertices, edges or triangles; None is everywhere.
-    link : RigidLink, optional
-        Whose point it acts on; its place is then that of the link.
-    warning : str
-        What the user should know about where it acts.
-    missed : float
-        Share of a load or spring that is missed because it changes faster than it is integrated.
-    """
-
-    item: T
-    place: Selection | None
-    link: RigidLink | None = None
-    warning: str = ""
-    missed: float = 0.0
-
-    def members(self, mesh: Mesh) -> NDArray[np.integer]:
-        """Numbers of the vertices, edges or triangles it acts on; all triangles where it acts everywhere."""
-        return np.arange(len(mesh.triangles)) if self.place is None else self.place.members
-
-    def vertices(self, mesh: Mesh) -> Floats:
-        """(n, 3) vertices of the part."""
-        if self.link is not None:
-            return np.array([self.link.to])
-        if self.place is None:
-            return mesh.points
-        if self.place.dimension == 0:
-            return mesh.points[self.place.members]
-        corners = mesh.edges if self.place.dimension == 1 else mesh.triangles
-        return mesh.points[np.unique(corners[self.place.members])]
-
-    def places(self, mesh: Mesh) -> Floats:
-        """(n, 3) vertices of the part, or (n, 6) with their normals where the values of a load depend on these."""
-        if not getattr(self.item, "needs_normal", False):
-            return self.vertices(mesh)
-        return with_normals(mesh, self.members(mesh))
-
-    @property
-    def depends_on_time(self) -> bool:
-        """Whether it changes with the time t."""
-        return any(depends_on_time(getattr(self.item, key, None)) for key in _keys(self.item))
-
-    def at_time(self, time: float) -> Placed[T]:
-        """The same at one time."""
-        if not self.depends_on_time:
-            return self
-        keys = [key for key in _keys(self.item) if hasattr(self.item, key)]
-        item: Any = self.item
-        values = {key: at_time(getattr(item, key), time) for key in keys}
-        return replace(self, item=replace(item, **values))
-
-
-def _keys(item: Any) -> tuple[str, ...]:
-    """What may change with the time."""
-    return (*item.scaling, *getattr(item, "placing", ()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,10 +137,10 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     """
     space = mesh_in_space(scene.chart, mesh)
     # values inside come at quadrature points: without a look at vertices a pole on one would go unnoticed
-    links = _links(scene, space)
-    supports = tuple(_supports(scene.supports, space, links))
-    loads = tuple(_load(load, space, links) for load in scene.loads)
-    masses = tuple(_masses(scene.masses, space))
+    links = links_by_name(scene, space)
+    supports = tuple(placed_supports(scene.supports, space, links))
+    loads = tuple(placed_load(load, space, links) for load in scene.loads)
+    masses = tuple(placed_masses(scene.masses, space))
     every: list[Placed[Any]] = [*supports, *loads, *masses]
     for placed in every:
         (placed.at_time(0.0) if moving else placed).item.require_finite(placed.places(space))
@@ -304,7 +239,7 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
     except InputError as error:
         yield str(error)
     try:
-        links = _links(scene, space)
+        links = links_by_name(scene, space)
     except InputError as error:
         yield str(error)
         return
@@ -313,12 +248,12 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
     for item in [*scene.supports, *scene.loads, *scene.masses]:
         try:
             if isinstance(item, Support):
-                found: list[Any] = list(_supports([item], space, links))
+                found: list[Any] = list(placed_supports([item], space, links))
                 supports += found
             elif isinstance(item, Mass):
-                found = list(_masses([item], space))
+                found = list(placed_masses([item], space))
             else:
-                found = [_load(item, space, links)]
+                found = [placed_load(item, space, links)]
                 loads += found
             for placed in found:
                 (placed.at_time(0.0) if moving else placed).item.require_finite(placed.places(space))
@@ -327,73 +262,3 @@ def problems(scene: Scene, mesh: Mesh, moving: bool = False) -> Iterator[str]:
         except InputError as error:
             yield str(error)
     yield from contradictions(supports, [load.at_time(0.0) for load in loads] if moving else loads, space)
-
-
-def _links(scene: Scene, space: Mesh) -> dict[str, Placed[Support]]:
-    """Rigid links by their names.
-
-    Raises
-    ------
-    InputError
-        If two have the same name, or one that of a group.
-    """
-    out: dict[str, Placed[Support]] = {}
-    for support in scene.supports:
-        if isinstance(support, RigidLink):
-            name = support.name
-            if name and (name in out or name in space.groups):
-                raise InputError(f'{support}: the name "{clipped(name)}" is taken: give it another')
-            chosen = select(space, support.on, dimensions=support.dimensions, what=f"support {support.kind}")
-            out[name] = Placed(cast(Support, support), chosen)
-    out.pop("", None)
-    return out
-
-
-def _at_point(item: Any, link: Placed[Any]) -> Placed[Any]:
-    """A load or support on the point of a rigid link."""
-    if (
-        not isinstance(item, PointForce | PointMoment | Clamped | Fixed)
-        or getattr(item, "axes", None) is not None
-        or getattr(item, "rotation", None) is not None
-    ):
-        raise InputError(
-            f"{item}: the point of a rigid link takes point_force, point_moment, clamped and fix (along x, y, z "
-            "and r), without axes or a prescribed rotation"
-        )
-    return Placed(item, link.place, link.item)
-
-
-def _load(load: Any, space: Mesh, links: Mapping[str, Placed[Support]]) -> Placed[Load]:
-    if isinstance(load.on, str) and load.on in links:
-        return _at_point(load, links[load.on])
-    if load.on is None:
-        return Placed(load, None)
-    what = f"load {load.kind}"
-    return Placed(load, select(space, load.on, dimensions=load.dimensions, what=what))
-
-
-def _supports(
-    supports: Iterable[Any], space: Mesh, links: Mapping[str, Placed[Support]]
-) -> Iterator[Placed[Support]]:
-    for support in supports:
-        what = f"support {support.kind}"
-        if isinstance(support.on, str) and support.on in links:
-            yield _at_point(support, links[support.on])
-            continue
-        if isinstance(support, RigidLink):  # one body, however many groups
-            yield Placed(support, select(space, support.on, dimensions=support.dimensions, what=what))
-            continue
-        names: tuple[Any, ...] = (support.on,)
-        if isinstance(support.on, tuple) and isinstance(support.on[0], str):
-            names = support.on
-            if len(names) > 1:  # which must be of one kind
-                select(space, names, dimensions=support.dimensions, what=what)
-        for on in names:
-            yield Placed(support, select(space, on, dimensions=support.dimensions, what=what))
-
-
-def _masses(masses: Iterable[Any], space: Mesh) -> Iterator[Placed[Mass]]:
-    for mass in masses:
-        names = mass.on if isinstance(mass.on, tuple) and isinstance(mass.on[0], str) else (mass.on,)
-        for on in names:
-            yield Placed(mass, select(space, on, dimensions=mass.dimensions, what="mass"))

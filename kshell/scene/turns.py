@@ -9,18 +9,15 @@ the size of the triangles), so whatever a mesh answers there is a matter of the 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
+from kshell.scene.placed import Placed
 from kshell.scene.supports import Elastic, Support
 from kshell.values.varying import is_constant
-
-if TYPE_CHECKING:
-    from kshell.scene.structure import Placed
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.scene.loads import LineForce, PointForce, Traction
-from kshell.scene.structure import Placed
+from kshell.scene.placed import Placed
 
 Floats = NDArray[np.float64]
 

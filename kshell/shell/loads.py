@@ -32,7 +32,8 @@ from kshell.scene.loads import (
     Temperature,
     Traction,
 )
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.scene.thermal import free_strain
 from kshell.scene.weights import weights
 from kshell.shell.discretisation import Discretisation

@@ -21,7 +21,8 @@ from kshell.errors import InputError, SolveError
 from kshell.result.deferred import Deferred
 from kshell.result.result import Result
 from kshell.scene.loads import Load
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 from kshell.shell import vibration
 from kshell.shell.answer import (
     FRAME,

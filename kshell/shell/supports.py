@@ -15,7 +15,7 @@ from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.scene.handlers import Handlers
-from kshell.scene.structure import Placed
+from kshell.scene.placed import Placed
 from kshell.scene.supports import (
     Clamped,
     Elastic,

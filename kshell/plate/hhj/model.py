@@ -27,7 +27,8 @@ from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
 from kshell.scene.loads import Load
-from kshell.scene.structure import Placed, Structure
+from kshell.scene.placed import Placed
+from kshell.scene.structure import Structure
 
 Floats = NDArray[np.float64]
 
