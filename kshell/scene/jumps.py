@@ -1,20 +1,21 @@
 """Loads and springs that change faster inside triangles and along edges than they are integrated: what is missed.
 
 The elements integrate loads and the stiffness of springs by rules that are exact for polynomials of a degree. Where one
-jumps or peaks inside a triangle the same rule on its parts gives another value: the difference is about the error.
+jumps or peaks inside a triangle the same rule on its parts gives another value: the difference is about the error. So
+does a rule that is fine beside the rim, where values just inside it are not what those inside are continued by.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.mesh.mesh import Mesh
 from kshell.scene.exact_supports import Elastic
+from kshell.scene.jump_rules import Rule, just_inside, layered, rules, rules_of_elements
 from kshell.scene.load import Load
 from kshell.scene.loads import InitialCurvature, InitialStrain, Temperature
 from kshell.scene.normals import beside
@@ -22,27 +23,14 @@ from kshell.values.varying import is_constant
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
-Rule = tuple[Floats, Floats]  # barycentric coordinates (q, 3 or 2) and weights (q,) of sum 1
 
-DEGREE = 6  # of the rules of the elements, at least
 ROUGH = 3e-3  # of the load, from which it is said; less stands in the budget, and in the intervals, alone
+STANDS_OUT = (
+    1e-3  # of the mean size of the load: what values just inside the rim may differ by from those inside
+)
 SMOOTH = 1e-9  # of the size of the load: differences that are left to rounding and to smooth loads
 MOST = 5_000  # triangles that are looked at together
 FEW = 100  # of which most loads act on one
-
-# corners of the four parts of a triangle and of an edge, in their barycentric coordinates
-PARTS = {
-    3: 0.5
-    * np.array(
-        [
-            [[2, 0, 0], [1, 1, 0], [1, 0, 1]],
-            [[1, 1, 0], [0, 2, 0], [0, 1, 1]],
-            [[1, 0, 1], [0, 1, 1], [0, 0, 2]],
-            [[1, 1, 0], [0, 1, 1], [1, 0, 1]],
-        ]
-    ),
-    2: 0.25 * np.array([[[4, 0], [3, 1]], [[3, 1], [2, 2]], [[2, 2], [1, 3]], [[1, 3], [0, 4]]]),
-}
 
 
 def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: int) -> tuple[float, Floats]:
@@ -65,9 +53,8 @@ def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: i
     found = _Missed(load, space, members, space.points[cells[members]])
     if found.gross == 0.0:
         return none
-    single = np.linalg.norm(found.off, axis=1)
-    largest = max(float(np.abs(found.moments).max()), 2.0 * float(np.sqrt((single**2).sum())))
-    share = largest / found.gross
+    largest = np.maximum(found.moments, 2.0 * np.sqrt((found.off**2).sum(axis=0)))
+    share, single = float(largest.max()) / found.gross, found.off.max(axis=1)
     return (share, single) if share > SMOOTH else none
 
 
@@ -109,10 +96,10 @@ class _Missed:
 
     Attributes
     ----------
-    off : (n, component) array
-        Of the forces of triangles or edges.
-    moments : (component, 1 + 3) array
-        Of the resultant, and of its moments over the size of the place.
+    off : (n, rule) array
+        Sizes of the forces of triangles or edges that are missed, by each of `rules_of_elements`.
+    moments : (rule,) array
+        The largest component of the resultant of these, and of its moments over the size of the place.
     gross : float
         Integral of the size of the load.
     """
@@ -120,29 +107,57 @@ class _Missed:
     def __init__(self, load: Load | Elastic, space: Mesh, members: Ints, corners: Floats) -> None:
         self.load, self.space = load, space
         k = self.k = corners.shape[1]
-        rules = _rules(k)
-        centre, size = corners.mean(axis=(0, 1)), float(np.ptp(corners, axis=(0, 1)).max())
-        self.gross, moments, off = 0.0, np.zeros(1), []
+        coarse, parts, finest = rules(k)
+        self.centre, self.size = corners.mean(axis=(0, 1)), float(np.ptp(corners, axis=(0, 1)).max())
+        taken = rules_of_elements(k)
+        moments: list[Any] = [np.zeros(1)] * len(taken)
+        self.gross, off = 0.0, []
         for begin in range(0, len(corners), MOST):
             chosen, some = members[begin : begin + MOST], corners[begin : begin + MOST]
             sizes = _sizes(some)
-            one, _ = self._forces(chosen, some, sizes, rules[0])
-            two, gross = self._forces(chosen, some, sizes, rules[1])
+            one, _ = self._forces(chosen, some, sizes, coarse)
+            two, gross = self._forces(chosen, some, sizes, parts)
             difference = two.sum(axis=1) - one.sum(axis=1)
             least = SMOOTH * gross.max(initial=0.0)
-            rough = np.flatnonzero(np.linalg.norm(difference, axis=1) > least)
+            rough = np.linalg.norm(difference, axis=1) > least
+            rough |= self._stands_out(
+                chosen, some, one / (sizes[:, None] * coarse[1])[..., None], gross / sizes
+            )
             self.gross += float(gross.sum())
-            for part in np.array_split(rough, 1 + len(rough) * len(PARTS[k]) // MOST):
-                fine, its = self._forces(chosen[part], some[part], sizes[part], rules[2])
-                self.gross += float(its.sum() - gross[part].sum())
-                difference[part] = fine.sum(axis=1) - one[part].sum(axis=1)
-                for force, (places, _), sign in ((fine, rules[2], 1.0), (one[part], rules[0], -1.0)):
-                    at = np.einsum("qb,nbi->nqi", places, some[part])
-                    arm = np.concatenate([np.ones((*at.shape[:2], 1)), (at - centre) / size], axis=2)
-                    moments = moments + sign * np.einsum("nqc,nqm->cm", force, arm)
-            off.append(difference)
-        self.moments = np.atleast_2d(moments)
-        self.off: Floats = np.concatenate(off) if off else np.zeros((0, 1))
+            each = np.repeat(np.linalg.norm(difference, axis=1)[:, None], len(taken), axis=1)
+            here = np.flatnonzero(rough)
+            for part in np.array_split(here, 1 + len(here) * len(parts[1]) // (MOST * len(coarse[1]))):
+                where = chosen[part], some[part], sizes[part]
+                found, its = self._best(one[part].sum(axis=1), [finest, layered(k)], *where)
+                self.gross += float((its - gross[part]).sum())
+                for number, rule in enumerate(taken):
+                    missed = found - self._moments(rule, *where)[0]
+                    each[part, number] = np.linalg.norm(missed[:, 0], axis=1)
+                    moments[number] = moments[number] + missed.sum(axis=0)
+            off.append(each)
+        self.moments = np.array([float(np.abs(of).max()) for of in moments])
+        self.off: Floats = np.concatenate(off) if off else np.zeros((0, len(taken)))
+
+    def _stands_out(self, members: Ints, corners: Floats, inside: Floats, mean: Floats) -> NDArray[np.bool_]:
+        """(n,) whether values just inside the rim are not those that the values inside are continued by."""
+        places, continued = just_inside(self.k)
+        beside_rim = self._values(members, np.einsum("qb,nbi->nqi", places, corners))
+        off = np.linalg.norm(beside_rim - np.einsum("pq,nqc->npc", continued, inside), axis=2).max(axis=1)
+        return np.asarray(off > STANDS_OUT * mean.mean())
+
+    def _best(self, one: Floats, fine: Sequence[Rule], *where: Any) -> tuple[Floats, Floats]:
+        """Of the moments by some rules, and their gross, those that are farthest off forces (n, component)."""
+        found = [self._moments(rule, *where) for rule in fine]
+        best = np.argmax([np.linalg.norm(m[:, 0] - one, axis=1) for m, _ in found], axis=0)
+        every = np.arange(len(one))
+        return np.stack([m for m, _ in found])[best, every], np.stack([g for _, g in found])[best, every]
+
+    def _moments(self, rule: Rule, members: Ints, corners: Floats, sizes: Floats) -> tuple[Floats, Floats]:
+        """(n, 1 + 3, component) forces and their moments over the size of the place, and the gross (n,)."""
+        force, gross = self._forces(members, corners, sizes, rule)
+        at = (np.einsum("qb,nbi->nqi", rule[0], corners) - self.centre) / self.size
+        arm = np.concatenate([np.ones((*at.shape[:2], 1)), at], axis=2)
+        return np.asarray(np.einsum("nqc,nqm->nmc", force, arm)), gross
 
     def _forces(self, members: Ints, corners: Floats, sizes: Floats, rule: Rule) -> tuple[Floats, Floats]:
         """(n, point, component) forces of points, and (n,) integrals of their sizes."""
@@ -169,20 +184,3 @@ def _sizes(corners: Floats) -> Floats:
     if corners.shape[1] == 2:
         return np.asarray(np.linalg.norm(a, axis=1))
     return np.asarray(0.5 * np.linalg.norm(np.cross(a, corners[:, 2] - corners[:, 0]), axis=1))
-
-
-@lru_cache(maxsize=2)
-def _rules(k: int) -> list[Rule]:
-    """The rule of a triangle (k = 3) or an edge (2), of its parts and of theirs."""
-    if k == 3:
-        inner, shares = triangle_rule(DEGREE)
-        places, shares = np.column_stack([1.0 - inner.sum(axis=1), inner]), 2.0 * shares
-    else:
-        s, shares = interval_rule(DEGREE // 2 + 1)
-        places = np.column_stack([1.0 - s, s])
-    out = [(places, shares)]
-    for _ in range(2):
-        places, shares = out[-1]
-        places = np.einsum("qk,pkb->pqb", places, PARTS[k]).reshape(-1, k)
-        out.append((places, np.tile(shares, len(PARTS[k])) / len(PARTS[k])))
-    return out

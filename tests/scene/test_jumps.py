@@ -32,6 +32,37 @@ def test_jumps_and_peaks_inside_are_told(value):
         assert "changes faster inside triangles" in words
 
 
+@pytest.mark.parametrize("strip", [1e-4, 1e-3, 3e-3, 0.122, 0.124, 0.1249])
+def test_jumps_beside_edges_are_about_what_they_add(strip):
+    """Of edges 0.125 apart; no rule of the elements has a point in strips narrower than 2e-3."""
+    mesh = square_mesh(8)
+    share = missed_forces(ks.Pressure(f"1*(x > {0.5 - strip})"), mesh, EVERY, 2)[0]
+    missed = min(strip, 0.125 - strip) / (0.5 + strip)
+    assert missed / 3.0 < share < 4.0 * missed
+    top = mesh.groups["top"].members
+    share = missed_forces(ks.LineForce("top", (0, 0, f"1*(x > {0.5 - strip})")), mesh, top, 1)[0]
+    assert missed / 3.0 < share < 6.0 * missed
+
+
+def strip_load(edge):
+    """Deflection of the centre of the supported unit square, D = 1, under 1 where x > edge: Navier's series."""
+    m, n = np.arange(1, 400)[:, None], np.arange(1, 400, 2)
+    load = 4 * (np.cos(m * np.pi * edge) - np.cos(m * np.pi)) / (m * np.pi) * 2 / (n * np.pi)
+    shape = np.sin(m * np.pi / 2) * np.sin(n * np.pi / 2)
+    return float((load * shape / (np.pi**4 * (m**2 + n**2) ** 2)).sum())
+
+
+@pytest.mark.filterwarnings("ignore::kshell.KshellWarning")
+@pytest.mark.parametrize("options", [{}, {"element": "hhj"}, {"tolerance": 5e-3}])
+@pytest.mark.parametrize("edge", [0.499, 0.497, 0.378])
+def test_intervals_know_of_jumps_beside_edges(edge, options):
+    result = jumping(8, f"1*(x > {edge})", **options)
+    stiffness = 210e9 * 0.01**3 / (12 * (1 - 0.3**2))
+    half = result.error["probes"]["centre"]["u"]["half_width"][2]
+    assert abs(result.probes["centre"]["u"][2] - strip_load(edge) / stiffness) <= half
+    assert result.error["estimate"] <= options.get("tolerance", 0.1)
+
+
 def test_what_is_told_is_about_what_is_missed():
     scene = ks.Scene(
         mesh=square_mesh(8),
@@ -113,7 +144,7 @@ def test_a_load_that_cannot_be_integrated_is_not_known():
 
 
 @pytest.mark.filterwarnings("ignore::kshell.KshellWarning")
-@pytest.mark.parametrize("options", [{}, {"tolerance": 3e-3}])
+@pytest.mark.parametrize("options", [{}, {"tolerance": 6e-3}])
 def test_springs_that_jump_inside_triangles_are_as_loads_are(options):
     """2.905896e-4 on a mesh whose edges lie along the jump; the interval was 4e-4 wide, 6e-3 away from it."""
     scene = ks.Scene(
@@ -132,6 +163,6 @@ def test_springs_that_jump_inside_triangles_are_as_loads_are(options):
     assert off <= result.error["probes"]["centre"]["u"]["half_width"][2]
     assert result.error["estimate"] < 0.1
     if options:
-        assert result.error["estimate"] <= 3e-3
+        assert result.error["estimate"] <= 6e-3
     else:
         assert any("elastic" in words and "inside triangles" in words for words in result.warnings)

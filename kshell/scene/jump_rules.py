@@ -1,0 +1,113 @@
+"""Rules by which jumps inside triangles and edges are found: parts, layers beside the rim, and a look just inside it.
+
+A rule of few points sees no strip that is narrower than its distance from the rim, 6 % of the height of a triangle; nor
+do rules on its parts, 3 and 1.6 %. So values just inside the rim are compared with the cubics that those at the points
+of the rule are continued by, and where they are not alike a rule whose layers grow thinner toward the rim tells how
+much lies in the strip.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from kshell.elements.quadrature import interval_rule, triangle_rule
+
+Floats = NDArray[np.float64]
+Rule = tuple[Floats, Floats]  # barycentric coordinates (q, 3 or 2) and weights (q,) of sum 1
+
+DEGREES = (
+    6,
+    8,
+    11,
+    14,
+)  # of the rules of the elements; what one misses of a jump is luck, and no measure of another
+NEAR = 1e-6  # distance from the rim of what is looked at, of the height: more than rounding of coordinates
+CUBIC = 3
+LAYERS, THINNER = 6, 4.0  # each so many times thinner than the one before
+IN_LAYER = 4  # points along and across, exact to degree 6
+LOOKS = 6  # along each edge of a triangle
+
+# corners of the four parts of a triangle and of an edge, in their barycentric coordinates
+PARTS = {
+    3: 0.5
+    * np.array(
+        [
+            [[2, 0, 0], [1, 1, 0], [1, 0, 1]],
+            [[1, 1, 0], [0, 2, 0], [0, 1, 1]],
+            [[1, 0, 1], [0, 1, 1], [0, 0, 2]],
+            [[1, 1, 0], [0, 1, 1], [1, 0, 1]],
+        ]
+    ),
+    2: 0.25 * np.array([[[4, 0], [3, 1]], [[3, 1], [2, 2]], [[2, 2], [1, 3]], [[1, 3], [0, 4]]]),
+}
+
+
+@lru_cache(maxsize=2)
+def rules_of_elements(k: int) -> list[Rule]:
+    """The rules that are taken for triangles (k = 3) or edges (2), of rising degree."""
+    out = []
+    for degree in DEGREES:
+        if k == 3:
+            inner, shares = triangle_rule(degree)
+            out.append((np.column_stack([1.0 - inner.sum(axis=1), inner]), 2.0 * shares))
+        else:
+            s, shares = interval_rule(degree // 2 + 1)
+            out.append((np.column_stack([1.0 - s, s]), shares))
+    return out
+
+
+@lru_cache(maxsize=2)
+def rules(k: int) -> list[Rule]:
+    """The first of them, the same on parts, and on theirs."""
+    out = [rules_of_elements(k)[0]]
+    for _ in range(2):
+        places, shares = out[-1]
+        places = np.einsum("qk,pkb->pqb", places, PARTS[k]).reshape(-1, k)
+        out.append((places, np.tile(shares, len(PARTS[k])) / len(PARTS[k])))
+    return out
+
+
+@lru_cache(maxsize=2)
+def layered(k: int) -> Rule:
+    """A rule of layers that grow thinner toward the edges of a triangle (k = 3), or the ends of an edge (2)."""
+    ends = np.append(THINNER ** -np.arange(LAYERS), 0.0)  # distance from the rim over that of the centre
+    t, w = interval_rule(IN_LAYER)
+    away = (ends[1:, None] + (ends[:-1] - ends[1:])[:, None] * t).ravel()
+    share = ((ends[:-1] - ends[1:])[:, None] * w).ravel()
+    rim = np.eye(k)[:, None]  # (corner, 1, k)
+    if k == 3:
+        s, along = interval_rule(IN_LAYER)
+        on_edges = np.stack([np.zeros_like(s), 1.0 - s, s], axis=1)
+        rim = np.stack([np.roll(on_edges, turn, axis=1) for turn in range(3)])  # (edge, s, 3)
+        share = (2.0 * (1.0 - away) * share)[:, None] * along
+    else:
+        share = share[:, None]
+    centre = np.full(k, 1.0 / k)
+    places = rim[:, None] + away[:, None, None] * (centre - rim[:, None])  # (edge or end, layer, s, k)
+    return places.reshape(-1, k), np.tile(share.ravel(), k) / k
+
+
+@lru_cache(maxsize=2)
+def just_inside(k: int) -> tuple[Floats, Floats]:
+    """Barycentric coordinates (n, k) of places just inside the rim, and the cubics through the points of the rule.
+
+    The latter are (n, q): values there by least squares from those at the points of `rules`.
+    """
+    if k == 2:
+        places = np.array([[1.0 - NEAR, NEAR], [NEAR, 1.0 - NEAR]])
+    else:
+        s = (np.arange(LOOKS) + 0.5) / LOOKS
+        edge = np.stack([np.full_like(s, NEAR), (1.0 - NEAR) * (1.0 - s), (1.0 - NEAR) * s], axis=1)
+        places = np.concatenate([np.roll(edge, turn, axis=1) for turn in range(3)])
+    return places, _powers(places) @ np.linalg.pinv(_powers(rules(k)[0][0]))
+
+
+def _powers(places: Floats) -> Floats:
+    """(n, power) monomials of cubics."""
+    if places.shape[1] == 2:
+        return np.asarray(places[:, 1:] ** np.arange(CUBIC + 1))
+    x, y = places[:, 1], places[:, 2]
+    return np.stack([x**i * y**j for i in range(CUBIC + 1) for j in range(CUBIC + 1 - i)], axis=1)
