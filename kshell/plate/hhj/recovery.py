@@ -6,15 +6,19 @@ vertices both are means over the triangles around, by area.
 
 from __future__ import annotations
 
+from functools import cached_property
 from itertools import permutations
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.elements.hierarchic import orthonormal
+from kshell.mesh.distinct import distinct
 from kshell.plate.along_supports import AlongSupports
 from kshell.plate.domain import EdgePatch
 from kshell.plate.hhj.along import HHJLineForces
+from kshell.plate.hhj.finer import FinerDeflection
 from kshell.plate.hhj.system import HHJSolution, HHJSystem
 from kshell.plate.line_forces import Lines
 from kshell.plate.loads import Loads
@@ -46,10 +50,30 @@ class HHJFields(Fields):
         arcs = system.arcs
         self.local = solution.local if arcs is None else arcs.coefficients(solution.local)
 
+    @cached_property
+    def finer(self) -> FinerDeflection:
+        """The deflection between vertices."""
+        return FinerDeflection(self.system, self.solution, self.local)
+
     def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
         """w (order 0) or its gradient (1) at reference points of the mesh's triangles: (n, point, partial)."""
         if order > 1:
             raise ValueError("curvatures are those of the moments")
+        if self.system.order == 1:  # whose deflection is no closer to its unknowns than to the true one
+            return self._of_the_element(triangles, xi, order)
+        finer = self.finer
+
+        def evaluate(chosen: Ints, own: Floats) -> Floats:
+            psi, found = orthonormal(self.system.order + 1, own), finer.coefficients(chosen)
+            if order == 0:
+                return psi @ found[..., None]
+            along = (finer.tables.first @ found[:, None, :, None])[..., 0].swapaxes(1, 2)  # (n, N, reference)
+            return (psi @ along) @ self.system.triangles.inverse[chosen]
+
+        return self._on_sorted(triangles, xi, evaluate)
+
+    def _of_the_element(self, triangles: Ints, xi: Floats, order: int) -> Floats:
+        """The same of the element's own deflection."""
         t = self.system.tables
 
         def evaluate(chosen: Ints, own: Floats) -> Floats:
@@ -178,7 +202,7 @@ def reactions(
         _along_arcs(system, solution, residual, motions, lifting, turning)
 
     groups = problem.supports.held
-    corners = [np.unique(np.concatenate([g.points, mesh.edges[g.line].ravel()])) for g in groups]
+    corners = [distinct(len(points), g.points, mesh.edges[g.line]) for g in groups]
     share = np.zeros(len(points))
     share_edges, share_lines = np.zeros(len(mesh.edges)), np.zeros(len(mesh.edges))
     for vertices, group in zip(corners, groups, strict=True):
