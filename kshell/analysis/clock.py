@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from kshell.solvers.memory import peak_bytes
+from kshell.solvers.memory import KEEPS_PEAK, peak_bytes
 
 Stage = Callable[[str], None]
 
@@ -24,14 +24,14 @@ class Clock:
     Attributes
     ----------
     seconds : dict of str to float
-    peak_memory_mb : float
-        Largest memory of this process up to the end of the last stage, in megabytes. Where the system does not keep
-        it (macOS): the largest of what was used at the end of each stage.
+
+    Where the system does not keep the largest memory of a process (macOS), `peak_memory_mb` is the largest of what was
+    used at the end of each stage.
     """
 
     def __init__(self, progress: Stage | None, read_seconds: float = 0.0) -> None:
         self.seconds: dict[str, float] = {"read": read_seconds}
-        self.peak_memory_mb = 0.0
+        self._most = 0.0
         self._progress = progress
 
     @contextmanager
@@ -42,4 +42,10 @@ class Clock:
         begin = time.perf_counter()
         yield
         self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - begin
-        self.peak_memory_mb = max(self.peak_memory_mb, peak_bytes() / 2**20)
+        if not KEEPS_PEAK:
+            self._most = max(self._most, peak_bytes() / 2**20)
+
+    @property
+    def peak_memory_mb(self) -> float:
+        """Largest memory of this process so far, in megabytes; where the system does not keep it, see `Clock`."""
+        return max(self._most, peak_bytes() / 2**20) if KEEPS_PEAK else self._most

@@ -245,9 +245,13 @@ class Section:
             raise ValueError("the thickness varies inside triangles: use bending(triangles, points)")
         every = np.arange(len(self._mesh.triangles))
         if self._uniform:  # one matrix for all, which takes no memory
-            one = self.bending(every[:1], self._mesh.points[None, :1])[0, 0]
-            return np.broadcast_to(one, (len(every), 3, 3))
+            return np.broadcast_to(self._bending, (len(every), 3, 3))
         return self.bending(every, self._centroids[:, None])[:, 0]
+
+    @cached_property
+    def _bending(self) -> Floats:
+        """(3, 3) D where it is the same everywhere."""
+        return self.bending(np.zeros(1, dtype=np.int64), self._mesh.points[None, :1])[0, 0]
 
     def mass(self, triangles: Ints, points: Floats) -> Floats:
         """(n, q) mass per area at points (n, q, 3) of triangles (n,)."""
@@ -280,11 +284,14 @@ class Section:
 
     def _check_everywhere(self) -> None:
         """Bad thickness is found before anything is assembled, at the corners of all triangles."""
-        every = np.arange(len(self._mesh.triangles))
-        if self.constant_per_triangle:
-            self.thickness(every, self._centroids[:, None])
-        else:
-            self.thickness(every, self._mesh.points[self._mesh.triangles])
+        if not self.constant_per_triangle:
+            self.thickness(np.arange(len(self._mesh.triangles)), self._mesh.points[self._mesh.triangles])
+            return
+        for number, part in enumerate(
+            self.parts
+        ):  # the same everywhere: looked at in the first of its triangles
+            first = int(np.argmax(self._part == number)) if len(self.parts) > 1 else 0
+            self._thickness(part, self._mesh.points[self._mesh.triangles[first]].mean(axis=0)[None, None])
 
 
 def plate_section(

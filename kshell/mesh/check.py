@@ -73,7 +73,7 @@ def usable_nodes(points: Floats, triangles: Ints, source: str) -> None:
                 "export it again"
             )
     corners = triangles[:, :3]
-    same = np.flatnonzero(np.equal(corners, np.roll(corners, 1, axis=1)).any(axis=1))
+    same = np.flatnonzero(np.equal(corners, corners[:, [2, 0, 1]]).any(axis=1))
     if len(same):
         where = place(points[triangles[same[0], 0]])
         raise InputError(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.connected import connected_parts
+from kshell.mesh.distinct import distinct
 from kshell.mesh.near import in_balls
 from kshell.mesh.triangulation import Triangulation
 from kshell.mesh.words import count, place
@@ -38,7 +39,7 @@ def unjoined(mesh: Triangulation) -> list[str]:
     one = not mesh.sheets.any()
     part = np.zeros(len(mesh.points), dtype=np.int64) if one else vertex_parts(mesh)
     n_parts = int(part.max()) + 1
-    boundary = np.unique(mesh.edges[mesh.boundary_edges])
+    boundary = distinct(len(mesh.points), mesh.edges[mesh.boundary_edges])
     tolerance = SAME_PLACE * float(mesh.edge_lengths.min())
     named = _on_named_curves(mesh)
 

@@ -58,8 +58,8 @@ def polygon(nodes: Floats, step: int, closed: bool, rounding: float) -> Floats |
     chord = np.diff(nodes, axis=0)
     x, y = chord.T
     length = np.hypot(x, y)
-    before = np.roll(np.arange(len(chord)), 1) if closed else np.arange(len(chord) - 1)
-    after = np.arange(len(chord)) if closed else before + 1
+    before = np.arange(len(chord)) - 1 if closed else np.arange(len(chord) - 1)  # -1: the last one
+    after = before + 1
     dot = x[before] * x[after] + y[before] * y[after]
     cross = x[before] * y[after] - y[before] * x[after]
     longer = np.maximum(length[before], length[after])

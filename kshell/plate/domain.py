@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from kshell.elements.affine import AffineTriangles
 from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.elements.reference import VERTICES
+from kshell.mesh.distinct import distinct
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.plate.curves import EdgeCurves, joined_curves
 from kshell.plate.region import motion, region_points
@@ -107,7 +108,7 @@ class Domain:
         self.curves: EdgeCurves = joined_curves(self.boundary, inner) if len(inner.edges) else self.boundary
         self.bent: Ints = inner.edges[inner.curved].astype(np.int64)
         curved_edges = self.curves.edges[self.curves.curved]
-        self.curved_triangles: Ints = np.unique(mesh.edge_owner[curved_edges, 0]).astype(np.int64)
+        self.curved_triangles: Ints = distinct(len(mesh.triangles), mesh.edge_owner[curved_edges, 0])
         if len(self.bent):
             self.curved_triangles = np.union1d(self.curved_triangles, self.sides(self.bent)[1])
         self._latest: list[tuple[Ints, AffineTriangles]] = []
@@ -266,8 +267,13 @@ class Domain:
     @cached_property
     def moments_of_area(self) -> Floats:
         """(3,) area, and integrals of x and y."""
-        parts = [[p.weights.sum(), *(p.weights[..., None] * p.xy).sum(axis=(0, 1))] for p in self.patches(1)]
-        return np.sum(parts, axis=0)
+        straight = ~self.is_curved
+        areas, centres = self.mesh.areas[straight], self.points[self.mesh.triangles[straight]].mean(axis=1)
+        total = np.array([areas.sum(), *(areas @ centres)])
+        for start in range(0, len(self.curved_triangles), BLOCK):
+            patch = self.curved_patch(self.curved_triangles[start : start + BLOCK], 1)
+            total += [patch.weights.sum(), *(patch.weights[..., None] * patch.xy).sum(axis=(0, 1))]
+        return total
 
     @cached_property
     def area(self) -> float:

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from kshell.elements import matrices
 from kshell.elements.quadrature import interval_rule
 from kshell.errors import InputError
+from kshell.mesh.distinct import distinct
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.mesh.words import place
@@ -72,7 +73,7 @@ class EdgeHolder:
         """
         edges = selection.members.astype(np.int64)
         ends = self.mesh.edges[edges]  # (edge, 2)
-        vertices = np.unique(ends).astype(np.int64)
+        vertices = distinct(len(self.mesh.points), ends)
         curves = self._curves_of(edges)
         first = len(self.conditions.rows)
         if support.kind == "symmetry":
@@ -130,7 +131,9 @@ class EdgeHolder:
     def _curves_of(self, edges: Ints) -> EdgeCurves:
         """Shape of a line of supports: as the plate follows it, if it does."""
         curves = self.domain.curves
-        unknown = edges[~np.isin(edges, curves.edges)]
+        known = np.zeros(len(self.mesh.edges), dtype=bool)
+        known[curves.edges] = True
+        unknown = edges[~known[edges]]
         return (
             joined_curves(curves, edge_curves(self.mesh, unknown.astype(np.int32)))
             if len(unknown)

@@ -8,7 +8,7 @@ kappa(v)^T D kappa_0 with kappa = (v_xx, v_yy, 2 v_xy).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -66,6 +66,7 @@ class AreaLoad:
     triangles: Ints | None
     pressure: float | Field
     degree: int | None = None
+    _latest: tuple[Floats, Floats] | None = field(default=None, init=False, repr=False, compare=False)
 
     @property
     def everywhere(self) -> bool:
@@ -80,9 +81,13 @@ class AreaLoad:
 
     def values(self, triangles: Ints, xy: Floats) -> Floats:
         """Pressure (n, point) at points (n, point, 2) of triangles (n,)."""
-        if callable(self.pressure):
-            return self.pressure(triangles, xy)
-        return np.full(xy.shape[:2], self.pressure)
+        if not callable(self.pressure):
+            return np.full(xy.shape[:2], self.pressure)
+        if (
+            self._latest is None or self._latest[0] is not xy
+        ):  # patches at curved edges are kept, and asked for again
+            self._latest = xy, self.pressure(triangles, xy)
+        return self._latest[1]
 
     def vectors(self, positions: Ints, transform: Floats) -> Floats:
         affine = self.domain.affine(positions)

@@ -15,6 +15,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.distinct import distinct
 from kshell.mesh.higher import nodes_along, order_of
 from kshell.mesh.mesh import Mesh
 from kshell.plate.chains import STRAIGHT, breaks, chained, is_straight, polygon
@@ -46,7 +47,7 @@ def edge_curves(mesh: Mesh, edges: Ints) -> EdgeCurves:
 
     What was found is kept with the mesh, so its arrays are not to be written to.
     """
-    edges = np.unique(edges).astype(np.int32) if len(edges) else np.zeros(0, dtype=np.int32)
+    edges = distinct(len(mesh.edges), edges).astype(np.int32)
     known: dict[bytes, EdgeCurves] = mesh.__dict__.setdefault("_edge_curves", {})
     key = edges.tobytes()
     if key not in known:

@@ -8,6 +8,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.distinct import distinct
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
 from kshell.scene.loads import Load
@@ -56,7 +57,7 @@ class Placed(Generic[T]):
         if self.place.dimension == 0:
             return mesh.points[self.place.members]
         corners = mesh.edges if self.place.dimension == 1 else mesh.triangles
-        return mesh.points[np.unique(corners[self.place.members])]
+        return mesh.points[distinct(len(mesh.points), corners[self.place.members])]
 
     def places(self, mesh: Mesh) -> Floats:
         """(n, 3) vertices of the part, or (n, 6) with their normals where the values of a load depend on these."""

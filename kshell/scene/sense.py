@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.distinct import distinct
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.scene.loads import (
@@ -172,8 +173,10 @@ def _within(held: Placed[Support], load: Placed[Load], space: Mesh) -> Ints:
     if held.place.dimension == dimension:
         return members
     if dimension == 1:
-        return np.unique(space.triangle_edges[members])
-    return np.unique((space.edges if held.place.dimension == 1 else space.triangles)[members])
+        return distinct(len(space.edges), space.triangle_edges[members])
+    return distinct(
+        len(space.points), (space.edges if held.place.dimension == 1 else space.triangles)[members]
+    )
 
 
 def _axis_words(letter: str, axis: Floats) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from kshell.solvers.system import Floats, PlateSpace
 # matrices without supports reach 4e-16 at most; the softest regular ones, which grow softer like
 # (mesh size / length)^4, stay above 1e-13 up to 4e6 unknowns.
 FREE_MOTION = 3e-15
+KEPT_START = 1000  # unknowns up to which the start of the search for what moves freely is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +96,16 @@ def check_tolerance(tolerance: float | None) -> None:
         raise InputError(f"the tolerance of the solver is {tolerance:g}: it must be positive")
 
 
+def _start(count: int) -> Floats:
+    """Random numbers (n,), always the same; those of small systems are kept, which take longer to make than to use."""
+    return _drawn(count) if count <= KEPT_START else _drawn.__wrapped__(count)
+
+
+@lru_cache(maxsize=16)
+def _drawn(count: int) -> Floats:
+    return np.random.default_rng(1).standard_normal(count)
+
+
 def softest_vector(matrix: Any, solve: Callable[[Floats], Floats]) -> tuple[Floats, float]:
     """One step of inverse iteration from a random vector that is always the same.
 
@@ -105,8 +117,7 @@ def softest_vector(matrix: Any, solve: Callable[[Floats], Floats]) -> tuple[Floa
         x.A x / x.diag(A) x. Formed with A itself: factorisations perturb it a thousand times more.
     """
     diagonal = matrix.diagonal()
-    start = np.random.default_rng(1).standard_normal(len(diagonal)) * np.sqrt(diagonal)
-    x = solve(start)
+    x = solve(_start(len(diagonal)) * np.sqrt(diagonal))
     if not np.isfinite(x).all():
         raise SolveError(
             "the stiffness matrix is singular: its factorisation gave values that are not finite"

@@ -16,6 +16,9 @@ FILL = 0.28
 # Peak bytes per entry of the factor while it is made, as seen from outside, measured at 1e5 ... 1e6 unknowns
 BYTES = {"superlu": 28.0, "cholmod": 18.0, "rslab": 20.0, "pardiso": 18.0}
 SHARE = 0.8  # of the available memory that may be filled
+KEEPS_PEAK = (
+    os.name == "nt" or Path("/proc/self/status").exists()
+)  # the system keeps the largest memory of a process
 
 
 def factorisation_bytes(unknowns: int, entries: int, backend: str) -> float:

@@ -86,6 +86,9 @@ HINTS: dict[type, str] = {
 }
 
 
+Program = Callable[[dict[str, Any]], Any]  # from the values of the variables to that of a formula
+
+
 @dataclass(frozen=True)
 class Expression:
     """A formula in named variables that has been checked and can be evaluated on arrays.
@@ -121,7 +124,7 @@ class Expression:
         arrays = [np.asarray(v, dtype=np.float64) for v in values]
         variables = dict(zip(self.names, arrays, strict=True))
         with np.errstate(all="ignore"):
-            result = _evaluate(self.tree, variables)
+            result = _program(self.text, self.names)(variables)
         return np.array(
             np.broadcast_to(np.asarray(result, float), np.broadcast_shapes(*(a.shape for a in arrays)))
         )
@@ -133,6 +136,12 @@ def _checked(text: str, names: tuple[str, ...]) -> ast.expr:
     tree = _parse(text)
     _Checker(text, names).check(tree, 0)
     return tree
+
+
+@lru_cache(maxsize=256)
+def _program(text: str, names: tuple[str, ...]) -> Program:
+    """What evaluates a text that is a formula."""
+    return _compiled(_checked(text, names))
 
 
 def _parse(text: str) -> ast.expr:
@@ -246,30 +255,48 @@ def _operands(node: ast.AST) -> list[ast.expr]:
     return [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.expr)]
 
 
-def _evaluate(node: ast.expr, variables: dict[str, Any]) -> Any:
+def _compiled(node: ast.expr) -> Program:
+    """A checked formula as functions of its variables, so that its tree is walked once."""
     match node:
         case ast.Constant(value=int() | float() as constant):
-            return np.float64(constant)
+            return _always(np.float64(constant))
         case ast.Name(id=name):
-            return variables[name] if name in variables else np.float64(CONSTANTS[name])
+            if name in CONSTANTS:
+                known = np.float64(CONSTANTS[name])
+                return lambda variables: variables.get(name, known)
+            return operator.itemgetter(name)
         case ast.BinOp(left=left, op=op, right=right):
             # booleans count as 0 and 1: (x > 0.5) * 1000
-            return ARITHMETIC[type(op)](*(np.asarray(_evaluate(n, variables), float) for n in (left, right)))
-        case ast.UnaryOp(op=ast.Not(), operand=operand):
-            return np.logical_not(_evaluate(operand, variables))
+            work, a, b = ARITHMETIC[type(op)], _compiled(left), _compiled(right)
+            return lambda variables: work(np.asarray(a(variables), float), np.asarray(b(variables), float))
         case ast.UnaryOp(op=op, operand=operand):
-            number = np.asarray(_evaluate(operand, variables), float)
-            return -number if isinstance(op, ast.USub) else number
+            inner = _compiled(operand)
+            if isinstance(op, ast.Not):
+                return lambda variables: np.logical_not(inner(variables))
+            if isinstance(op, ast.USub):
+                return lambda variables: -np.asarray(inner(variables), float)
+            return lambda variables: np.asarray(inner(variables), float)
         case ast.Compare(left=left, ops=ops, comparators=others):
-            terms = [_evaluate(n, variables) for n in (left, *others)]
-            pairs = [COMPARISONS[type(op)](a, b) for op, a, b in zip(ops, terms, terms[1:], strict=False)]
-            return reduce(np.logical_and, pairs)
+            terms = [_compiled(n) for n in (left, *others)]
+            tests = [COMPARISONS[type(op)] for op in ops]
+            return lambda variables: _compared(tests, [term(variables) for term in terms])
         case ast.BoolOp(op=op, values=values):
             join = np.logical_and if isinstance(op, ast.And) else np.logical_or
-            return reduce(join, [_evaluate(n, variables) for n in values])
+            parts = [_compiled(n) for n in values]
+            return lambda variables: reduce(join, [part(variables) for part in parts])
         case ast.IfExp(test=test, body=body, orelse=orelse):
-            return np.where(*(_evaluate(n, variables) for n in (test, body, orelse)))
+            choice = [_compiled(n) for n in (test, body, orelse)]
+            return lambda variables: np.where(*(part(variables) for part in choice))
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            values_ = [np.asarray(_evaluate(n, variables), float) for n in arguments]
-            return FUNCTIONS[name][2](*values_)
+            function, given = FUNCTIONS[name][2], [_compiled(n) for n in arguments]
+            return lambda variables: function(*(np.asarray(part(variables), float) for part in given))
     raise AssertionError(f"{type(node).__name__} passed the check but cannot be evaluated")
+
+
+def _compared(tests: list[Callable[[Any, Any], Any]], terms: list[Any]) -> Any:
+    """Whether every two neighbours compare as they should."""
+    return reduce(np.logical_and, [test(a, b) for test, (a, b) in zip(tests, pairwise(terms), strict=True)])
+
+
+def _always(value: Any) -> Program:
+    return lambda variables: value

@@ -110,7 +110,9 @@ class Arcs:
         curves = self.domain.curves
         where = np.minimum(curves.place(edges), len(curves.edges) - 1)
         self.bent = (curves.edges[where] == edges) & curves.curved[where]
-        self.pure = self.bent & np.isin(edges, held_slopes)
+        held = np.zeros(len(triangles.mesh.edges), dtype=bool)
+        held[held_slopes] = True
+        self.pure = self.bent & held[edges]
         self.pairs, self.pair_edges = np.nonzero(self.bent)
         self._functionals()
 

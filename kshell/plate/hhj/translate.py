@@ -14,6 +14,7 @@ from kshell.elements.jets import legendre
 from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.errors import InputError
 from kshell.material.section import Section
+from kshell.mesh.distinct import distinct
 from kshell.plate.forms import AreaSpring, EdgeSpring, PointSpring
 from kshell.plate.held import Supports
 from kshell.plate.hhj.arcs import Arcs
@@ -53,9 +54,9 @@ def held(triangles: Triangles, order: int, supports: Supports) -> Held:
                 'surface out of the mesh and clamp its edge, or use element = "argyris"'
             )
     out = Held(
-        np.unique(np.concatenate([group.points for group in groups])) if groups else np.zeros(0, np.int64),
-        np.unique(np.concatenate([group.line for group in groups])) if groups else np.zeros(0, np.int64),
-        np.unique(np.concatenate([group.edges for group in groups])) if groups else np.zeros(0, np.int64),
+        distinct(len(mesh.points), *(group.points for group in groups)),
+        distinct(len(mesh.edges), *(group.line for group in groups)),
+        distinct(len(mesh.edges), *(group.edges for group in groups)),
     )
     if all(group.value is None and group.slope is None for group in groups):
         return out
@@ -69,7 +70,7 @@ def held(triangles: Triangles, order: int, supports: Supports) -> Held:
             slopes[group.edges] = _slope_coefficients(triangles, order, group.edges, group.slope)
         if group.value is None:
             continue
-        own = np.unique(np.concatenate([group.points, mesh.edges[group.line].ravel()])).astype(np.int64)
+        own = distinct(len(mesh.points), group.points, mesh.edges[group.line])
         at_vertices[own] = group.value(points[own])
         if len(group.line):
             on_edges = group.value(along(triangles, group.line, s))
@@ -218,6 +219,8 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
             out.local[bent] += form.pressure * arcs.integrals[arcs.place[bent]]
     if not callable(form.pressure):
         out.local[chosen] += form.pressure * triangles.area[chosen, None] * t.load
+        return
+    if not len(chosen):
         return
     xi, w = triangle_rule(system.order + LOAD_DEGREE)
     values = form.values(chosen, triangles.xy(xi, chosen))
