@@ -2,7 +2,19 @@
 
 Second derivatives of Argyris functions are continuous at vertices, and membrane forces everywhere, so that averages of
 them tell nothing. Koiter elements of order 3 have about as many unknowns and one order less: what both differ by is
-about their error, and above that of the Argyris functions.
+about their error, and above that of the Argyris functions. As both may be off alike, in the value of a probe and in
+the energy stored, the energy of their difference counts, too,
+
+    |d|^2 = int (E - E_K) : (A - B D^-1 B) (E - E_K) + (M - M_K) : D^-1 (M - M_K).
+
+Symbols
+-------
+E, M       membrane strain and moments of the Argyris functions, with index K those of the Koiter elements
+A, B, D    stiffnesses of the section
+
+On 22 shells with four meshes each, of 4 to 512 triangles, intervals of energies and probes held in 126 of the 127 runs
+whose references are known that well (120 without |d|^2, which missed by up to 7 times); the one is a layer in one
+triangle.
 """
 
 from __future__ import annotations
@@ -10,20 +22,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from kshell.equilibrium.linear import solve_roughly
 from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, Assessment, Interval
 from kshell.error.averages import Averages
 from kshell.error.estimate import Estimate
 from kshell.errors import InputError, SolveError
 from kshell.result.result import Result
+from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.model import ChartModel
+from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.model import KoiterModel
-from kshell.shell.koiter.recovery import energies
+from kshell.shell.problem import ShellProblem
+from kshell.shell.reference import lagrange
+
+Floats = NDArray[np.float64]
 
 ORDER = 3
 WHY_NOT = "the difference from Koiter elements of order 3 on the same triangles is no proof"
-SAFETY = 2.0  # of the difference of energies: thin shells on few triangles are too stiff with both
+SAFETY = 2.0  # of differences in energy: thin shells on few triangles are too stiff with both
 LIKELY = 0.25  # of the half width
 
 
@@ -32,33 +51,77 @@ def assess_difference(
 ) -> Assessment:
     """Of small deflections; all named probes, as there are no duals.
 
-    The values of a probe may differ by little where the solutions differ by much: the relative difference of their
-    energies is added. ``marks`` for refinement are those of the Koiter elements, whose forces and moments jump.
+    The values of a probe may differ by little where the solutions differ by much: the relative difference in energy is
+    added. ``marks`` for refinement are those of the Koiter elements, whose forces and moments jump.
     """
     try:
-        other = KoiterModel(model.structure, ORDER)
-        its = other.solve()
+        problem = KoiterModel(model.structure, ORDER).problem
+        initial = problem.loads.initial
+        x = solve_roughly(problem.energy, problem.load, problem.reduction, problem.springs, initial)
     except (InputError, SolveError) as error:
         return Assessment(
             why_not=f"no estimate: Koiter elements on the same triangles gave no answer ({error})"
         )
-    problem = other.problem
-    strain = problem.energy.linear_strain(its.x)
-    if problem.loads.initial is not None:
-        strain = strain - problem.loads.initial
-    stored = float(sum(part.sum() for part in energies(problem.energy, strain)))
+    strain = problem.energy.linear_strain(x)
+    if initial is not None:
+        strain = strain - initial
+    stress = problem.energy.stress(strain)
+    stored = 0.5 * float(np.sum(strain * stress))
     out = Assessment(why_not=WHY_NOT, geometry=0.0)
     own = result.strain_energy
-    half = SAFETY * abs(own - stored)
-    out.energy = Estimate(own, half, LIKELY * half, "estimated", WHY_NOT)
-    share = abs(own - stored) / abs(own) if own != 0.0 else 0.0
-    for name in names:
+    apart = float(_difference(model, solved, problem.energy, strain, stress).sum())
+    off = max(abs(own - stored), 0.5 * apart)
+    out.energy = Estimate(own, SAFETY * off, LIKELY * SAFETY * off, "estimated", WHY_NOT)
+    share = off / abs(own) if own != 0.0 else 0.0
+    for name, moved in zip(names, _moved(model, problem, x, names), strict=True):
         value = result.motion_at_probe(name)
-        moved = np.array([other.probe_row(name, letter) @ its.x for letter in "xyz"])
-        off = np.abs(value - moved) + share * np.abs(value)
-        out.probes[name] = Interval(value, off, LIKELY * off, "estimated")
+        width = np.abs(value - moved) + share * np.abs(value)
+        out.probes[name] = Interval(value, width, LIKELY * width, "estimated")
     if marks:
         local = Averages(problem).local(strain)
         for name in (ENERGY, *names):
             out.marks[name], out.parts[name] = local, np.zeros_like(local)
     return out
+
+
+def _difference(model: ChartModel, solved: Solved, koiter: Koiter, strain: Floats, stress: Floats) -> Floats:
+    """(triangle,) |d|^2; strains and stresses (triangle, 2 r) of the Koiter elements."""
+    energy: ChartKoiter = model.problem.energy
+    surface = energy.surface
+    own = energy.linear_strain(solved.x)
+    if model.problem.loads.initial is not None:
+        own = own - model.problem.loads.initial
+    count, q = len(own), len(surface.weights)
+    r, psi = koiter.surface.reference.strains, lagrange(koiter.surface.order - 1, surface.points)
+    membrane, moment = (psi @ part.reshape(count, -1, 3) for part in (strain[:, :r], stress[:, r:]))
+    # M^ab J^2 of the element, and the stress at a point with its weight, where M^12 counts twice
+    weight = surface.weights / surface.area_elements
+    moment = moment * np.array([1.0, 1.0, 2.0]) * weight[..., None]
+    off = own.reshape(count, q, 6)[..., :3] - membrane
+    mine = solved.own.stress.reshape(count, q, 6)
+    a, b, d = energy.stiffness[..., :3, :3], energy.stiffness[..., :3, 3:], energy.stiffness[..., 3:, 3:]
+    # the curvature by which moments differ, once the membrane strains that differ have had their part of them
+    bent = mine[..., 3:] - moment
+    if np.any(b):
+        kappa = np.linalg.solve(d, (bent - (np.swapaxes(b, -1, -2) @ off[..., None])[..., 0])[..., None])[
+            ..., 0
+        ]
+        both = (a @ off[..., None] + b @ kappa[..., None])[..., 0]
+    else:
+        kappa = np.linalg.solve(d, bent[..., None])[..., 0]
+        both = (a @ off[..., None])[..., 0]
+    return np.asarray((off * both).sum(axis=(1, 2)) + (kappa * bent).sum(axis=(1, 2)))
+
+
+def _moved(model: ChartModel, problem: ShellProblem, x: Floats, names: Sequence[str]) -> Floats:
+    """(n, 3) displacements of the Koiter elements at probes."""
+    if not names:
+        return np.zeros((0, 3))
+    places = np.array([model.structure.probes[name] for name in names], dtype=float)
+    found = model.problem.locator.find(places)  # the same surface
+    return np.array(
+        [
+            [problem.discretisation.translation_row(int(triangle), xi, axis) @ x for axis in range(3)]
+            for triangle, xi in zip(found.triangles, found.xi, strict=True)
+        ]
+    )
