@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -17,6 +18,8 @@ from kshell.draw.canvas import (
     new_figure,
 )
 from kshell.draw.marks import draw_marks, marks
+from kshell.draw.strokes import Strokes
+from kshell.draw.strokes_plot import draw_strokes
 from kshell.result.result import Result
 
 if TYPE_CHECKING:
@@ -57,14 +60,15 @@ class FieldFigure:
         draw_edges(self._axes, mesh, mesh.boundary_edges, colors="black", linewidths=0.9)
         self._axes.autoscale_view()
 
-    def show(self, values: Floats, label: str) -> Figure:
-        """The figure with a field.
+    def show(self, values: Floats, label: str, strokes: Sequence[Strokes] = ()) -> Figure:
+        """The figure with a field, and lines over it.
 
         Parameters
         ----------
         values : (node,)
             At the nodes of the rows of the fields.
         label : str
+        strokes : sequence of Strokes
         """
         low, high = float(values.min()), float(values.max())
         style = colours(low, high)
@@ -74,6 +78,7 @@ class FieldFigure:
         for drawn in self._marks:
             drawn.remove()
         self._marks = draw_marks(self._axes, marks(values, self._rows), self._nodes)
+        self._marks += [draw_strokes(self._axes, each, 0.9, halo=True) for each in strokes]
         if self._lines is not None:
             self._lines.remove()
             self._lines = None

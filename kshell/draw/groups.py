@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kshell.draw.plot import save_figure
 from kshell.draw.scene_plot import plot_scene
-from kshell.draw.surface_plot import plot_surface_scene
+from kshell.draw.surface_scene_plot import plot_surface_scene
 from kshell.mesh import Mesh
 from kshell.mesh.check import is_flat
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import flat_triangles
-from kshell.draw.surface_plot import round_scale
+from kshell.draw.shape import round_scale
 from kshell.result.result import Result
 from kshell.result.vtu import at_nodes
 

@@ -15,13 +15,24 @@ from kshell.draw.history_plot import film_figure, history_figure
 from kshell.draw.levels_plot import error_figure, levels_figure
 from kshell.draw.mode_plot import mode_figure, modes_figure
 from kshell.draw.path_plot import path_figure
-from kshell.draw.pictures import MODAL, picture_values, pictures
+from kshell.draw.pictures import (
+    MODAL,
+    PRINCIPAL,
+    picture_values,
+    pictures,
+    principal_label,
+    usual_pictures,
+)
 from kshell.draw.png import png
 from kshell.draw.reactions_plot import reactions_figure
 from kshell.draw.response_plot import response_figure
 from kshell.draw.scene_plot import plot_scene
+from kshell.draw.shape import drawn_scale
 from kshell.draw.stills import drawn_by_pyvista, still
-from kshell.draw.surface_plot import plot_surface_scene, surface_figure
+from kshell.draw.strokes import strokes_of
+from kshell.draw.strokes_plot import crosses_figure
+from kshell.draw.surface_plot import surface_figure
+from kshell.draw.surface_scene_plot import plot_surface_scene
 from kshell.errors import InputError
 from kshell.result.result import Result
 from kshell.values.naming import listing, suggestion
@@ -64,10 +75,17 @@ def plot(result: Result, what: str = "deflection", fields: Callable[[], FieldFig
     flat = np.ptp(result.mesh.points[:, 2]) <= FLAT * result.mesh.size
     if what == "mesh":
         return (plot_scene if flat else plot_surface_scene)(result.mesh, result.scene, result.title)
+    scale = 0.0 if flat else drawn_scale(result)
+    strokes = strokes_of(result, what, scale)
+    if what in PRINCIPAL:
+        label = principal_label(result, what)
+        return (
+            crosses_figure(result, label, strokes) if flat else surface_figure(result, None, label, strokes)
+        )
     values, label = picture_values(result, what)
     if flat:
-        return (FieldFigure(result) if fields is None else fields()).show(values, label)
-    return surface_figure(result, values, label)
+        return (FieldFigure(result) if fields is None else fields()).show(values, label, strokes)
+    return surface_figure(result, values, label, strokes)
 
 
 def save_picture(
@@ -120,7 +138,7 @@ def picture_files(result: Result, plots: bool) -> dict[str, Callable[[Path], obj
     single = result.analysis in MODAL  # the picture of all modes holds those of each
     names += [
         name
-        for name in pictures(result)
+        for name in usual_pictures(result)
         if plots and name not in names and not (single and name.startswith("mode_"))
     ]
     fields = cache(partial(FieldFigure, result))  # to make a figure takes as long as to draw it

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.draw.pictures import MODAL, SHELL_FIELDS
+from kshell.draw.pictures import COMPONENTS, MODAL, PRINCIPAL, SHELL_FIELDS
 from kshell.mesh.check import is_flat
 
 if TYPE_CHECKING:
@@ -24,7 +24,8 @@ FROM = (9, 4)  # versions of VTK that draw off screen without a display
 
 def drawn_by_pyvista(result: Result, what: str) -> bool:
     """Whether a picture is a still of PyVista: fields on surfaces that are not flat, where it is there."""
-    if what not in SHELL_FIELDS or result.model.get("kind") != "shell" or result.analysis in MODAL:
+    known = what in SHELL_FIELDS or what in COMPONENTS or what in PRINCIPAL
+    if not known or result.model.get("kind") != "shell" or result.analysis in MODAL:
         return False
     return not is_flat(result.mesh.points) and _available()
 

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, colours, flat_triangles
-from kshell.draw.marks import USUAL, marks, seeing, towards
-from kshell.draw.pictures import picture_values, pictures
-from kshell.draw.surface_plot import deformed_nodes, drawn_scale
+from kshell.draw.marks import USUAL, Mark, marks, seeing, towards
+from kshell.draw.pictures import PRINCIPAL, picture_values, pictures, principal_label
+from kshell.draw.shape import deformed_nodes, drawn_scale
+from kshell.draw.strokes import Strokes, longest, strokes_of
+from kshell.draw.strokes_plot import words_for
 from kshell.errors import InputError
 from kshell.values.naming import listing, suggestion
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
 
+Floats = NDArray[np.float64]
+
+RAISED = 0.004  # of the size: strokes above the surface on both sides, which hides what lies in it
+LETTER = 0.0075  # of the width of the picture
 ABOVE = 0.16  # of half the height of the picture, by which the surface stands above its middle
 QUADRATIC_TRIANGLE, TRIANGLE = 22, 5  # numbers of the cells of VTK
 
@@ -72,30 +80,34 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
     if scale is None:
         scale = drawn_scale(result)
     module = pyvista()
-    values, label = picture_values(result, what)
     grid = surface_grid(result, scale)
-    grid.point_data[label] = values
-    style = colours(float(values.min()), float(values.max()))
+    strokes = strokes_of(result, what, scale)
+    found: list[Mark] = []
     plotter = module.Plotter(off_screen=off_screen, window_size=(1200, 900))
+    style: dict[str, Any] = {"color": "#e4e6e9"}
+    if what not in PRINCIPAL:
+        values, label = picture_values(result, what)
+        grid.point_data[label] = values
+        found = marks(values, result.rows)
+        style = _coloured(values, label)
     surface = grid.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
     plotter.add_mesh(
         surface,
-        scalars=label,
-        cmap=style["cmap"],
-        clim=(style["vmin"], style["vmax"]),
         smooth_shading=True,
         show_edges=result.mesh.midpoints is None and len(result.mesh.triangles) <= FEW_TRIANGLES,
         edge_opacity=0.25,
         ambient=0.5,
         diffuse=0.5,  # with ambient light: no brighter than the colours of the bar, or pale ones would turn white
-        scalar_bar_args={
-            "title": f"{label}\n",  # a line between it and the numbers
-            "title_font_size": 18,
-            "label_font_size": 15,
-            "position_y": 0.02,
-            "height": 0.14,
-        },
+        **style,
     )
+    for each in strokes:
+        if len(each.lines):
+            raised = RAISED * result.mesh.size
+            if what not in PRINCIPAL:  # over dark colours, too
+                plotter.add_mesh(_lines(each, 0.5 * raised), color="white", line_width=6, opacity=0.6)
+            plotter.add_mesh(_lines(each, raised), color=each.colour, line_width=3)
+    if what in PRINCIPAL:
+        _name(plotter, words_for(principal_label(result, what), strokes), strokes)
     outline = surface.extract_feature_edges(manifold_edges=False, feature_angle=30.0)
     if outline.n_points:
         plotter.add_mesh(outline, color="black", line_width=2)
@@ -103,7 +115,6 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
     plotter.add_mesh(rest.extract_feature_edges(manifold_edges=False), color="grey", line_width=1)
     plotter.add_text(f"{result.title}\ndisplacements {scale:g} times as large", font_size=10)
     nodes = deformed_nodes(result, scale)[1]
-    found = marks(values, result.rows)
     for mark in found:
         plotter.add_point_labels(
             nodes[[mark.node]],
@@ -117,10 +128,47 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
             always_visible=True,
         )
     triangles = flat_triangles(result.mesh, result.rows)[1]
-    view = seeing(nodes, triangles, found[0].node) if found else USUAL
+    seen = found[0].node if found else longest(strokes, nodes)
+    view = USUAL if seen is None else seeing(nodes, triangles, seen)
     plotter.show_axes()
     plotter.view_vector(towards(*view), viewup=(0.0, 0.0, 1.0))
     plotter.camera.zoom(0.95)
     # the surface above the middle: its bar of colours is below, with a title that no mark may cover
     plotter.camera.SetWindowCenter(0.0, -ABOVE)
     return plotter
+
+
+def _coloured(values: Floats, label: str) -> dict[str, Any]:
+    """How a surface shows a field in colours, with their bar."""
+    style = colours(float(values.min()), float(values.max()))
+    return {
+        "scalars": label,
+        "cmap": style["cmap"],
+        "clim": (style["vmin"], style["vmax"]),
+        "scalar_bar_args": {
+            "title": f"{label}\n",  # a line between it and the numbers
+            "title_font_size": 18,
+            "label_font_size": 15,
+            "position_y": 0.02,
+            "height": 0.14,
+        },
+    }
+
+
+def _lines(strokes: Strokes, raised: float) -> Any:
+    """A pyvista.PolyData of strokes on both sides of the surface."""
+    up = raised * strokes.normals[:, None]
+    lines = np.concatenate([strokes.lines + up, strokes.lines - up])
+    number = np.arange(2 * len(lines)).reshape(-1, 2)
+    cells = np.concatenate([np.full((len(lines), 1), 2), number], axis=1).ravel()
+    return pyvista().PolyData(lines.reshape(-1, 3), lines=cells)
+
+
+def _name(plotter: Any, label: str, strokes: Sequence[Strokes]) -> None:
+    """Words for strokes, below: what they are, and each colour."""
+    lines = label.split("; ")
+    left = 0.5 - 0.5 * LETTER * max(map(len, lines))
+    plotter.add_text("\n".join(lines), position=(left, 0.065), viewport=True, font_size=9)
+    for number, each in enumerate(strokes):
+        at = (0.5 + 0.24 * (number - 0.5 * len(strokes)), 0.02)
+        plotter.add_text(f"-- {each.words}", position=at, viewport=True, font_size=9, color=each.colour)

@@ -6,7 +6,7 @@ from base64 import b64encode
 from dataclasses import dataclass
 from io import BytesIO
 
-from kshell.draw.pictures import MODAL, pictures
+from kshell.draw.pictures import MODAL, usual_pictures
 from kshell.draw.plot import save_picture
 from kshell.result.result import Result
 
@@ -32,7 +32,7 @@ def image(result: Result, what: str) -> Image:
 
 def images(result: Result, few: bool = False) -> list[Image]:
     """The pictures of a result but those of the mesh and of a motion as film; of modes one with all of them."""
-    names = [name for name in pictures(result) if name not in ("mesh", "film")]
+    names = [name for name in usual_pictures(result) if name not in ("mesh", "film")]
     if result.analysis in MODAL:
         names = [name for name in names if not name.startswith("mode_")]
     return [image(result, name) for name in names if not few or name in FEW]

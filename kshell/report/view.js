@@ -15,9 +15,11 @@
     [92, 200, 99], [170, 220, 50], [253, 231, 37]];
   const BLUE_RED = [[5, 48, 97], [53, 129, 185], [146, 197, 222], [220, 234, 242], [247, 247, 247], [252, 224, 208],
     [244, 165, 130], [203, 71, 66], [103, 0, 31]];
+  const PULL = 2e-3;  // of the depth, by which strokes lie before the surface
+  const GREY = Array(9).fill([225, 229, 234]);
 
   const vertexShader = `#version 300 es
-    in vec3 node; in vec3 moved; in float value;
+    layout(location = 0) in vec3 node; layout(location = 1) in vec3 moved; layout(location = 2) in float value;
     uniform mat3 turn; uniform vec3 middle; uniform vec4 window; uniform float factor, pull;
     out float shown; out vec3 place;
     void main() {
@@ -67,6 +69,15 @@
   const movedBuffer = buffer("moved", 3, new Float32Array(nodes.length));
   const valueBuffer = buffer("value", 1, new Float32Array(count));
   const faces = numbers(triangles), lines = numbers(whole(data.lines)), outline = numbers(whole(data.outline));
+  // strokes are thin rectangles: their corners are bound by themselves
+  const strokes = {bound: gl.createVertexArray(), node: gl.createBuffer(), moved: gl.createBuffer(), parts: []};
+  gl.bindVertexArray(strokes.bound);
+  for (const [place, made] of [[0, strokes.node], [1, strokes.moved]]) {
+    gl.bindBuffer(gl.ARRAY_BUFFER, made);
+    gl.enableVertexAttribArray(place);
+    gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 0, 0);
+  }
+  gl.bindVertexArray(null);
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   nodes.forEach((x, n) => { low[n % 3] = Math.min(low[n % 3], x); high[n % 3] = Math.max(high[n % 3], x); });
   const c = low.map((x, n) => 0.5 * (x + high[n]));
@@ -96,6 +107,7 @@
     const whole = {label: `${field.label}, length`, values: () => length(field.columns.map(numbersOf))};
     return field.name === "displacement" ? [whole, ...own] : own;
   });
+  const shownFor = () => [...choices(), ...state().strokes];
   const short = value => Number(value.toPrecision(4)).toString();
 
   function chooseState() {
@@ -106,12 +118,42 @@
     gl.bufferData(gl.ARRAY_BUFFER, moved, gl.DYNAMIC_DRAW);
     chooseField();
   }
+  // corners of two triangles for each stroke: its ends a and b, to both sides
+  function strokeCorners(lines) {
+    const node = [], shift = [];
+    strokes.parts = lines.map(line => {
+      const numbers = floats(line.numbers), first = node.length / 3;
+      for (let k = 0; k < numbers.length; k += 12) {
+        for (const [end, side] of [[0, 1], [0, -1], [3, 1], [3, 1], [0, -1], [3, -1]]) {
+          for (let j = 0; j < 3; j++) {
+            node.push(numbers[k + end + j] + side * numbers[k + 6 + j]);
+            shift.push(numbers[k + 9 + j]);
+          }
+        }
+      }
+      const rgb = [1, 3, 5].map(j => parseInt(line.colour.slice(j, j + 2), 16) / 255);
+      return {first, count: node.length / 3 - first, rgb};
+    });
+    for (const [made, all] of [[strokes.node, node], [strokes.moved, shift]]) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, made);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(all), gl.DYNAMIC_DRAW);
+    }
+  }
   function chooseField() {
-    values = choices()[+part("field").value].values();
+    const chosen = shownFor()[+part("field").value] || choices()[0];
+    strokeCorners(chosen.lines || []);
+    part("strokes").replaceChildren(...(chosen.lines || []).map(line => {
+      const row = document.createElement("div");
+      row.textContent = line.words;
+      row.style.borderColor = line.colour;
+      return row;
+    }), chosen.lines ? `longest: ${chosen.longest}` : "");
+    part("legend").classList.toggle("without", !!chosen.lines);
+    values = chosen.lines ? new Float32Array(count) : chosen.values();
     let least = Infinity, most = -Infinity;
     for (const value of values) { least = Math.min(least, value); most = Math.max(most, value); }
     const both = least < 0 && most > 0, side = Math.max(-least, most);
-    colours = both ? BLUE_RED : VIRIDIS;
+    colours = chosen.lines ? GREY : both ? BLUE_RED : VIRIDIS;
     range = both ? [-side, side] : most > least ? [least, most] : [least, least + 1];
     part("high").textContent = short(range[1]);
     part("low").textContent = short(range[0]);
@@ -150,8 +192,16 @@
     };
     shown(faces, gl.TRIANGLES, 0, [0, 0, 0, 0]);
     const ink = dark ? 0.9 : 0.1;
-    if (part("edges").checked) shown(lines, gl.LINES, 2e-4, [0.35, 0.38, 0.42, 1]);
+    const pale = strokes.parts.length ? 0.34 : 0;  // edges behind strokes
+    if (part("edges").checked) shown(lines, gl.LINES, 2e-4, [0.35 + pale, 0.38 + pale, 0.42 + pale, 1]);
     shown(outline, gl.LINES, 4e-4, [ink, ink, ink, 1]);
+    gl.bindVertexArray(strokes.bound);
+    gl.uniform1f(at("pull"), PULL);
+    for (const {first, count: corners, rgb} of strokes.parts) {
+      gl.uniform4f(at("line"), ...rgb, 1);
+      gl.drawArrays(gl.TRIANGLES, first, corners);
+    }
+    gl.bindVertexArray(null);
   }
   // place of a node on the canvas in its pixels, and how near it is
   function onCanvas(n) {
@@ -249,7 +299,7 @@
   if (data.what === "step") part("frame").value = data.states.length - 1;
   part("frame-label").firstChild.textContent = `${data.what} `;
   part("frame-label").hidden = data.states.length < 2;
-  options(part("field"), choices().map(choice => choice.label));
+  options(part("field"), shownFor().map(choice => choice.label));
   part("frame").addEventListener("change", chooseState);
   part("field").addEventListener("change", chooseField);
   part("scale").addEventListener("input", draw);

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import flat_triangles
-from kshell.draw.pictures import MODAL
+from kshell.draw.pictures import MODAL, pictures
+from kshell.draw.strokes import spread, strokes_at
 from kshell.result.result import Result
 from kshell.result.vtu import at_nodes
 
@@ -42,6 +43,13 @@ FIELDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "stress_middle": ("stress in the middle", ("xx", "yy", "xy")),
     "rotation": ("rotation", ("x", "y", "z")),
 }
+# pictures of strokes: words
+STROKES = {
+    "principal_moments": "principal moments, directions",
+    "principal_forces": "principal forces, directions",
+    "shear": "shear force, directions",
+}
+THICK = 0.11  # of the distance between places: width of a stroke
 
 
 def view_data(result: Result) -> dict[str, Any]:
@@ -51,8 +59,9 @@ def view_data(result: Result) -> dict[str, Any]:
     -------
     dict
         nodes (n, 3), triangles (m, 3), lines (k, 2) and outline (k, 2) as base64; size; count of nodes; states: per
-        load case, mode or step its name, scale and fields, each of label and columns (n,); left_out: labels of fields
-        for which the file has no room.
+        load case, mode or step its name, scale and fields, each of label and columns (n,), and strokes, each of label,
+        longest and lines: colour, words and ends (k, 2, 3), sides (k, 3) across and moved (k, 3) one after the other;
+        left_out: labels of fields for which the file has no room.
     """
     rows = result.rows
     fine = len(rows.nodes) <= MOST_NODES
@@ -119,7 +128,7 @@ def _states(result: Result, count: int) -> tuple[list[dict[str, Any]], list[str]
         most = [max(most)] * len(most)
     for (name, _, _), size in zip(parts, most, strict=True):
         scale = SHOWN * result.mesh.size / size if size > 0 else 0.0
-        states.append({"name": name, "scale": scale, "fields": []})
+        states.append({"name": name, "scale": scale, "fields": [], "strokes": []})
     for field, (label, names) in FIELDS.items():
         found = [moved if field == "displacement" else field for _, _, moved in parts]
         modal = result.analysis in MODAL and field != "displacement"
@@ -134,7 +143,29 @@ def _states(result: Result, count: int) -> tuple[list[dict[str, Any]], list[str]
             values = at_nodes(part.rows, key, values, part.fields, part.edge_fields)[:count]
             columns = [_text(column, "<f4") for column in values.T]
             state["fields"].append({"name": field, "label": label, "of": list(names), "columns": columns})
+    if result.analysis not in MODAL and all(part.evaluate for _, part, _ in parts):
+        for state, (_, part, _) in zip(states, parts, strict=True):
+            state["strokes"] = _strokes(part)
     return states, left_out
+
+
+def _strokes(result: Result) -> list[dict[str, Any]]:
+    """Crosses and arrows at rest, and how their places move."""
+    places = spread(result, 1.0)
+    moved = places.drawn - places.rest
+    places = places._replace(drawn=places.rest, stretch=np.broadcast_to(np.eye(3), (len(moved), 3, 3)))
+    values, out = result.at(places.rest), []
+    for what, label in STROKES.items():
+        found = strokes_at(places, values, what) if what in pictures(result) else []
+        lines = []
+        for each in found:
+            side = np.cross(each.normals, each.lines[:, 1] - each.lines[:, 0])
+            side *= 0.5 * THICK * places.apart / np.linalg.norm(side, axis=1, keepdims=True)
+            numbers = np.concatenate([each.lines[:, 0], each.lines[:, 1], side, moved[each.place]], axis=1)
+            lines.append({"colour": each.colour, "words": each.words, "numbers": _text(numbers, "<f4")})
+        if lines:
+            out.append({"label": label, "longest": found[0].longest, "lines": lines})
+    return out
 
 
 def _text(values: Any, kind: str) -> str:

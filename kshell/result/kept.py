@@ -58,7 +58,8 @@ class Kept:
         folder : path
             Made if it does not exist. Earlier results in it are replaced only when all new files are written.
         plots : bool
-            Also write deflection.png, moments and stresses, and the mesh with supports and loads.
+            Also write deflection.png, moments, shear forces, stresses, crosses of principal values, and the mesh with
+            supports and loads.
         report : bool
             Also write report.html, see `report`.
         tables : bool
@@ -133,10 +134,13 @@ class Kept:
         return loaded
 
     def plot(self, what: str = "deflection") -> Figure:
-        """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "mesh".
+        """A picture: "deflection", "moment_xx", "moment_yy", "moment_xy", "von_mises_top", "shear", "mesh".
 
-        Of shells also "force_xx", "force_yy", "force_xy", "von_mises_middle" and "von_mises_bottom", drawn on the
-        deformed surface. Of modes and buckling "modes" (a grid of all of them), "mode_1", "mode_2", ... and "mesh".
+        "principal_moments" draws crosses along the principal directions, strokes as long as the values and of the
+        colour of their sign; so do "principal_stress_top" and "principal_stress_bottom". Components: "shear_x",
+        "shear_y", "stress_top_xx", ... Of shells also "force_xx", "force_yy", "force_xy", "principal_forces",
+        "von_mises_middle" and "von_mises_bottom", drawn on the deformed surface. Of modes and buckling "modes" (a grid
+        of all of them), "mode_1", "mode_2", ... and "mesh".
 
         Returns
         -------

@@ -6,7 +6,7 @@ import pytest
 import kshell as ks
 from kshell.draw.in_time import largest_values
 from kshell.draw.scene_plot import plot_scene
-from kshell.draw.surface_plot import plot_surface_scene
+from kshell.draw.surface_scene_plot import plot_surface_scene
 from tests.scene.fabricated import square_mesh
 
 

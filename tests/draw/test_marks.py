@@ -89,14 +89,14 @@ def test_a_folder_without_a_picture_is_refused(tmp_path, capsys):
 
 def test_edges_behind_a_surface_are_not_drawn():
     from kshell.draw.hidden import Depths
-    from kshell.draw.surface_plot import _figure
+    from kshell.draw.space import figure_in_space
 
     # two sheets, one above the other, seen from above
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
     up = np.array([0, 0, 0.5])
     corners = np.concatenate([square, square * 0.5 + 0.25 - up])
     faces = corners[[[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]]
-    _, axes = _figure("", corners, view=(80.0, -60.0))
+    _, axes = figure_in_space("", corners, view=(80.0, -60.0))
     depths = Depths(axes, faces)
     above, below = (corners[[[a, a + 1]]] for a in (0, 4))
     length = {}

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 import subprocess
+from base64 import b64decode
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 
 import kshell as ks
 from kshell.cli.commands import run
+from kshell.draw.strokes import ARROW, NEGATIVE, POSITIVE
 from kshell.report import page as page_module
 from kshell.report.images import Image
 from kshell.report.page import content
@@ -166,10 +168,22 @@ for (const [name, x] of Object.entries(PROBES)) {
 }
 const gl = canvas.getContext("webgl2"), size = [gl.drawingBufferWidth, gl.drawingBufferHeight];
 const dots = new Uint8Array(4 * size[0] * size[1]);
-gl.readPixels(0, 0, ...size, gl.RGBA, gl.UNSIGNED_BYTE, dots);
-const colours = new Set();
-for (let n = 0; n < dots.length; n += 4) colours.add(dots[n] + 256 * dots[n + 1] + 65536 * dots[n + 2]);
-document.body.textContent = JSON.stringify({said, picked, colours: colours.size});
+function seen() {
+  gl.readPixels(0, 0, ...size, gl.RGBA, gl.UNSIGNED_BYTE, dots);
+  const colours = new Set();
+  for (let n = 0; n < dots.length; n += 4) colours.add(dots[n] + 256 * dots[n + 1] + 65536 * dots[n + 2]);
+  return colours;
+}
+const colours = seen(), field = document.getElementById("field"), crosses = {};
+const number = of => [1, 3, 5].reduce((sum, j, k) => sum + parseInt(of.slice(j, j + 2), 16) * 256 ** k, 0);
+for (const option of field.options) {
+  if (!option.textContent.includes("directions")) continue;
+  field.value = option.value;
+  field.dispatchEvent(new Event("change"));
+  const now = seen();
+  crosses[option.textContent] = LOOK_FOR.map(colour => now.has(number(colour)));
+}
+document.body.textContent = JSON.stringify({said, picked, crosses, colours: colours.size});
 </script>"""
 
 
@@ -178,8 +192,11 @@ def test_the_view_in_a_browser(cases, file, tmp_path):
     """Opens without a word on the console, is not blank, and reads the values of result.json."""
     text = file.read_text("utf-8")
     probes = {name: np.asarray(probe["x"]).tolist() for name, probe in cases.probes.items()}
+    looked = json.dumps([POSITIVE, NEGATIVE, ARROW])
     text = text.replace("<head>", "<head>" + FIRST, 1)
-    text = text.replace("</body>", LAST.replace("PROBES", json.dumps(probes)) + "</body>")
+    text = text.replace(
+        "</body>", LAST.replace("PROBES", json.dumps(probes)).replace("LOOK_FOR", looked) + "</body>"
+    )
     (tmp_path / "tried.html").write_text(text, "utf-8")
     done = subprocess.run(
         [
@@ -201,6 +218,8 @@ def test_the_view_in_a_browser(cases, file, tmp_path):
     found = json.loads(body.group(1))
     assert found["said"] == []
     assert found["colours"] > 50
+    assert found["crosses"]["principal moments, directions"] == [True, True, False]
+    assert found["crosses"]["shear force, directions"] == [False, False, True]
     for name, states in found["picked"].items():
         assert len(states) == len(cases.cases)
         for state, case in zip(states, cases.cases.values(), strict=True):
@@ -210,3 +229,25 @@ def test_the_view_in_a_browser(cases, file, tmp_path):
             assert read["displacement z"] == pytest.approx(probe["u"][2], rel=1e-5)
             for part, value in zip(("xx", "yy", "xy"), probe["M"], strict=True):
                 assert read[f"moment M {part}"] == pytest.approx(value, abs=1e-3 * size)
+
+
+def test_strokes_of_the_view_lie_where_the_crosses_are():
+    """Ends, sides and motions of strokes: of the length of their values, in the surface, moved as it is."""
+    scene = ks.Scene.load(MESHES / "tube.toml", ["load.0.value=[0, 0, -1e-6]"])
+    result = ks.solve(scene, error="off")
+    (state,) = view_data(result)["states"]
+    labels = [one["label"] for one in state["strokes"]]
+    assert labels == [
+        "principal moments, directions",
+        "principal forces, directions",
+        "shear force, directions",
+    ]
+    (line,) = [one for one in state["strokes"][1]["lines"] if one["words"] == "tension"]  # along z
+    numbers = np.frombuffer(b64decode(line["numbers"]), "<f4").reshape(-1, 12)
+    start, end, side, moved = numbers.reshape(-1, 4, 3).swapaxes(0, 1)
+    along = (end - start) / np.linalg.norm(end - start, axis=1)[:, None]
+    assert np.abs(along[:, 2]).min() > 1 - 1e-5
+    middle = 0.5 * (start + end)
+    assert np.linalg.norm(middle[:, :2], axis=1) == pytest.approx(np.ones(len(middle)), abs=0.02)
+    assert np.abs(np.sum(side * along, axis=1)).max() < 1e-6
+    assert moved == pytest.approx(result.at(middle)["u"], abs=1e-2 * float(np.abs(moved).max()))

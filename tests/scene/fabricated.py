@@ -92,7 +92,7 @@ def fabricated_result(mesh: ks.Mesh | None = None, **changes: Any) -> Result:
         "strain_energy": 0.5,
         "external_work": 0.5,
         "cell_fields": {"thickness": np.full(len(mesh.triangles), 0.1)},
-        "evaluate": fields_at,
+        "evaluate": values_at,
         "solver": {
             "name": "direct",
             "iterations": 2,
@@ -119,8 +119,16 @@ def fields_at(points: np.ndarray) -> dict[str, np.ndarray]:
         "displacement": np.stack([zero, zero, w], axis=1),
         "rotation": np.stack([w_y, -w_x, zero], axis=1),
         "moment": moment,
+        "shear": 2.0 * np.pi**3 * np.stack([np.cos(x) * np.sin(y), np.sin(x) * np.cos(y)], axis=1),
         "stress_top": stress,
         "stress_bottom": -stress,
         "von_mises_top": von_mises,
         "von_mises_bottom": von_mises,
     }
+
+
+def values_at(points: np.ndarray) -> dict[str, np.ndarray]:
+    """The same with the names of `Result.at`."""
+    fields = fields_at(points)
+    names = {"u": "displacement", "M": "moment", "Q": "shear"}
+    return {**fields, **{key: fields[name] for key, name in names.items()}, "x": points}
