@@ -238,7 +238,7 @@ def answer(
 
         require_parted(scene, chosen, resume)
         # states are not kept on the way
-        result = answered(team, read, lambda mesh: _analysed(scene, chosen, progress, mesh))
+        result = answered(team, lambda: _analysed(scene, chosen, progress, read))
     for words in result.warnings:
         warnings.warn(words, KshellWarning, stacklevel=3)  # at the call of `solve` or `trace`
     return result

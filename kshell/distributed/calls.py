@@ -5,8 +5,8 @@ divided are `Shared` objects: every process has one under the same key, with its
 is run by all of them on their own object. What is whole stays with the first: the others are given `ELSEWHERE` in its
 place, and get their rows of it by `kshell.distributed.shares`.
 
-Where a model is not divided (plates), the first process lets the others go on alongside: they are given the mesh, run
-the same analysis themselves, and `on_all` does nothing more than call the method.
+Where no process leads, all of them run the same program with the same whole alongside, and `on_all` does nothing more
+than call the method.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ import numpy as np
 F = TypeVar("F", bound=Callable[..., Any])
 
 CALL = 11  # tag of the messages of the first process to those that wait for it
-RUN, ALONGSIDE, END = "run", "alongside", "end"
+RUN, END = "run", "end"
 # seconds between two looks for a message: short at first, so that calls in a row do not wait, longer in the end, so
 # that who waits leaves the processor to others
 LOOK, LONGEST = 2e-5, 1e-3
@@ -81,13 +81,10 @@ class Calls:
     ----------
     led : bool
         Whether the first process leads; otherwise all run the same alongside.
-    whole : object
-        What the others need to run alongside.
     """
 
     def __init__(self, team: Any) -> None:
         self.team, self.led = team, False
-        self.whole: Any = None
         self._running = False
         self._objects: dict[int, Any] = {}
         self._dropped: list[int] = []
@@ -118,13 +115,11 @@ class Calls:
 
     def lead(self) -> None:
         """On the first process: the others wait for calls."""
-        self.led, self.whole = True, None
+        self.led = True
 
-    def alongside(self) -> None:
-        """Let the others go on with the same program; nothing must be shared yet."""
-        if self.led:
-            self._tell(ALONGSIDE, self.whole)
-            self._leave()
+    def by_first(self, work: Callable[[], Any]) -> Any:
+        """What a function gives on the first process, on all that have what is whole."""
+        return work() if self.led else self.team.once(work)
 
     def end(self, outcome: Callable[[int], Any]) -> None:
         """Let the others end.
@@ -139,8 +134,8 @@ class Calls:
                 self._send(rank, END, outcome(rank))
             self._leave()
 
-    def follow(self) -> tuple[str, Any]:
-        """On the other processes: do what is called for, until it ends; how, and what the first process gives."""
+    def follow(self) -> Any:
+        """On the other processes: do what is called for, until it ends; what the first process gives then."""
         self.led = True
         with _uninterrupted():
             while True:
@@ -149,7 +144,7 @@ class Calls:
                     self._objects.pop(key, None)
                 if kind != RUN:
                     self._leave()
-                    return kind, content
+                    return content
                 function, given = _Taken(io.BytesIO(content), self.team, self._objects).load()
                 self._running = True
                 try:

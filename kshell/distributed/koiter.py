@@ -6,7 +6,7 @@ unknowns, and puts strains, stresses and forces together. It takes a fraction of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -15,10 +15,15 @@ from numpy.typing import NDArray
 
 from kshell.distributed.calls import ELSEWHERE, Shared, on_all
 from kshell.distributed.matrix import Scattered, Terms
-from kshell.distributed.partition import partition, share_of_first
-from kshell.distributed.piece import PartSurface, Places, SurfaceData, directors_of, section_of
+from kshell.distributed.piece import Piece, members_of
 from kshell.distributed.refuse import ALONE, INSTEAD
-from kshell.distributed.shares import Share
+from kshell.distributed.surface_piece import (
+    PartSurface,
+    SurfaceData,
+    SurfacePlaces,
+    directors_of,
+    section_of,
+)
 from kshell.distributed.team import Team
 from kshell.equilibrium.energy import Asked, Energy, Linear, in_blocks
 from kshell.equilibrium.sparsity import Sparsity
@@ -45,7 +50,7 @@ class Kept(Shared):
         self.linear = linear
 
 
-class KoiterPiece(Shared):
+class KoiterPiece(Piece):
     """The energy of the triangles of each process.
 
     Parameters
@@ -62,17 +67,17 @@ class KoiterPiece(Shared):
     ----------
     energy : Koiter
         Of the triangles of this process, on their unknowns.
-    triangles, nodes, rotations, unknowns : Share
+    triangles, nodes, rotations : Share
     """
 
     def __init__(
         self, team: Team, members: Sequence[Ints], surface: Surface, section: Section, rest: Directors
     ) -> None:
-        super().__init__(team)
-        places = [Places.of(surface, some) for some in members] if team.rank == 0 else []
+        first = team.rank == 0
+        places = [SurfacePlaces.of(surface, some) for some in members] if first else []
+        super().__init__(team, places, surface.unknowns if first else 0)
 
-        def data(rank: int) -> tuple[SurfaceData, Section, Directors]:
-            mine = places[rank]
+        def data(mine: SurfacePlaces) -> tuple[SurfaceData, Section, Directors]:
             points = None if section.varying is None else surface_points(surface, mine.triangles)
             return (
                 SurfaceData.of(surface, mine),
@@ -80,17 +85,15 @@ class KoiterPiece(Shared):
                 directors_of(rest, mine),
             )
 
-        part, own, directors = team.deal(data)
+        part, own, directors = self.dealt(data)
         self.energy = team.together(lambda: Koiter(PartSurface(part), own, rest=directors))
         self.energy.kept = 0
-
-        def share(of: Callable[[Places], Ints], count: Callable[[], int]) -> Share:
-            return Share(team, [of(some) for some in places], 0 if team.rank else count())
-
-        self.triangles = share(lambda some: some.triangles, lambda: len(surface.mesh.triangles))
-        self.nodes = share(lambda some: some.nodes, lambda: surface.node_count)
-        self.rotations = share(lambda some: some.rotations, lambda: rest.vectors.shape[1])
-        self.unknowns = share(lambda some: some.unknowns, lambda: surface.unknowns)
+        counts = (
+            (len(surface.mesh.triangles), surface.node_count, rest.vectors.shape[1]) if first else (0, 0, 0)
+        )
+        self.triangles = self.share(lambda some: some.triangles, counts[0])
+        self.nodes = self.share(lambda some: some.nodes, counts[1])
+        self.rotations = self.share(lambda some: some.rotations, counts[2])
 
     def _memory(self, memory: Directors | None) -> Directors | None:
         """That of the triangles of this process; None for that of the rest state."""
@@ -133,7 +136,7 @@ class KoiterPiece(Shared):
     @on_all
     def linear_stiffness(self) -> Terms:
         """At rest."""
-        return Terms(self.team, self.unknowns, self.team.together(self.energy.linear_stiffness))
+        return self.terms(self.energy.linear_stiffness)
 
     @on_all
     def forget(self) -> None:
@@ -145,15 +148,13 @@ class KoiterPiece(Shared):
     def geometric_stiffness(self, stress: Floats) -> Terms:
         """Of a stress, at rest."""
         own = self.triangles.spread(stress)
-        local = self.team.together(lambda: self.energy.geometric_stiffness(own))
-        return Terms(self.team, self.unknowns, local)
+        return self.terms(lambda: self.energy.geometric_stiffness(own))
 
     @on_all
     def mass(self, density: Floats) -> Terms:
         """Of mass per area at the interior points of all triangles, (triangle, point)."""
         own = self.triangles.spread(density)
-        local = self.team.together(lambda: mass(self.energy.surface, own))
-        return Terms(self.team, self.unknowns, local)
+        return self.terms(lambda: mass(self.energy.surface, own))
 
     @on_all
     def evaluate(
@@ -267,8 +268,7 @@ class PartedDiscretisation(KoiterDiscretisation):
     def __init__(self, team: Team, *given: Any) -> None:
         super().__init__(*given)
         self.team = team
-        part = partition(self.surface.mesh, team.size, share_of_first(team.size))
-        self.members = [np.flatnonzero(part == rank) for rank in range(team.size)]
+        self.members = members_of(team, self.surface.mesh)
 
     def energy(self, section: Section, inelastic: Inelastic | None = None) -> PartedKoiter:
         if inelastic:

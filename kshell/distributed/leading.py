@@ -9,7 +9,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from kshell.distributed.calls import END
 from kshell.distributed.factor import NAME
 from kshell.distributed.saving import save_pieces
 from kshell.distributed.team import Team, sendable
@@ -34,21 +33,19 @@ class Told(Result):
         return self.writer(self, folder, {})
 
 
-def answered(team: Team, read: Callable[[], Mesh], work: Callable[[Callable[[], Mesh]], Result]) -> Result:
+def answered(team: Team, work: Callable[[], Result]) -> Result:
     """The result of an analysis that the first process runs.
 
     Parameters
     ----------
     team : Team
-    read : function
-        Gives the mesh; the first process alone asks it.
     work : function
-        The analysis, of a function that gives the mesh; others run it where it needs them alongside the first.
+        The analysis.
 
     Returns
     -------
     Result
-        `Told` on other processes, unless they ran alongside.
+        `Told` on other processes.
 
     Raises
     ------
@@ -57,23 +54,15 @@ def answered(team: Team, read: Callable[[], Mesh], work: Callable[[Callable[[], 
     """
     calls = team.calls
     if team.rank:
-        kind, content = calls.follow()
-        if kind != END:
-            return _finished(team, work(lambda: cast(Mesh, content)))
-        error, result = content
+        error, result = calls.follow()
         if error is not None:
             _with_writer(team, getattr(error, "state", None))
             raise error
         _with_writer(team, result)
         return cast(Result, result)
-
-    def known() -> Mesh:
-        calls.whole = read()
-        return cast(Mesh, calls.whole)
-
     calls.lead()
     try:
-        result = _finished(team, work(known))
+        result = _finished(team, work())
     except BaseException as error:
         _lasting(team, getattr(error, "state", None))
         told = _told_error(error)

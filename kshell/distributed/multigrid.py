@@ -14,66 +14,61 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.distributed.calls import Shared, on_all
 from kshell.distributed.factor import NAME, free_dropped, whole_reduction
-from kshell.distributed.matrix import Scattered
+from kshell.distributed.matrix import Scattered, Terms
 from kshell.distributed.numbering import Assembled, Basis, Numbering
 from kshell.distributed.prepared import PetscFactorisation
+from kshell.distributed.team import Team
 from kshell.solvers.multigrid.galerkin import entries
 from kshell.solvers.multigrid.hierarchy import prolongations
 from kshell.solvers.multigrid.pcg import Run, conjugate_gradients
 from kshell.solvers.multigrid.solver import ARGYRIS_TOLERANCE, TIGHTEST, Multigrid
 from kshell.solvers.system import Floats, PlateSpace, Product, Progress, Solution
 
+Doubles = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 
-class PetscMultigrid(Multigrid):
-    """Conjugate gradients with PCMG.
+class Levels(Shared):
+    """What each process has of PCMG.
 
     Parameters
     ----------
-    matrix : Scattered
-    space : PlateSpace
-    why : str
+    team : Team
+    terms, known :
+        The matrix, as of `Scattered`.
+    chain : list of sparse CSR
+        Interpolations from the finest to the coarsest level; of the first process alone.
     """
 
-    def __init__(self, matrix: Scattered, space: PlateSpace, why: str) -> None:
-        begin = time.perf_counter()
-        self.matrix, self.element, self.space = matrix, space.element, space
-        chain: list[Any] = []
-        notes: list[str] = []
-        if matrix.team.rank == 0:
-            blocks, _, notes, _ = prolongations(space)
-            chain = [sp.csr_matrix(entries(block)) for block in blocks]
-        self._build(chain)
-        self.name, self.why = f"{NAME.partition(' ')[0]} (multigrid)", why
-        self.warnings = tuple(notes)
-        self.setup_seconds = time.perf_counter() - begin
-        self._factorisation: Any = None
-        self._unused = True
-
-    def _build(self, chain: list[Any]) -> None:
+    def __init__(
+        self, team: Team, terms: Terms, known: sp.csr_matrix | None, chain: list[sp.csr_matrix]
+    ) -> None:
         from petsc4py import PETSc
 
-        free_dropped(self.matrix.team)
-        team, terms, share = self.matrix.team, self.matrix.terms, self.matrix.share
-        basis = Basis(team, whole_reduction(self.matrix.shape[0]), share)
-        self._fine = here = Numbering(team, basis.free.owner)
+        super().__init__(team)
+        free_dropped(team)
+        share = terms.share
+        basis = Basis(team, whole_reduction(share.count), share)
+        owner, kept = basis.free.owner, None
+        self._fine = here = Numbering(team, owner)
         self._assembled = Assembled(basis, here, half=False)
-        self._assembled.fill(terms, self.matrix.known)
+        self._assembled.fill(terms, known)
         mat = self._assembled.mat
         mat.setOption(PETSc.Mat.Option.SPD, True)
-        owner, kept = basis.free.owner, None
         steps = []
         for number in range(team.once(lambda: len(chain))):
             step = None
             if team.rank == 0:
-                step = chain[number] if kept is None else chain[number][kept]
+                step, chain[number] = chain[number], None
+                step = step if kept is None else step[kept]
                 columns = step.tocsc()
                 kept = np.flatnonzero(np.diff(columns.indptr) > 0)  # the others are forbidden by supports
                 columns = columns[:, kept]
                 owner = owner[columns.indices[columns.indptr[:-1]]]
                 step = columns.tocsr()
+                del columns
             there = Numbering(team, owner)
             steps.append(_rows(step, here, there))
             here = there
@@ -84,7 +79,7 @@ class PetscMultigrid(Multigrid):
         pc.setMGCycleType(PETSc.PC.MGCycleType.W)
         for k, step in enumerate(steps):
             pc.setMGInterpolation(len(steps) - k, step)
-        prefix = f"kshell_{id(self)}_"
+        prefix = f"kshell_{self.key}_"
         options = PETSc.Options()
         words = {
             "pc_mg_galerkin": "both",
@@ -105,12 +100,48 @@ class PetscMultigrid(Multigrid):
             options.delValue(prefix + key)
         self._pc, self._vectors = pc, mat.createVecs()
 
+    @on_all
+    def cycle(self, residual: Doubles) -> Doubles:
+        """One cycle from zero."""
+        mine = self._fine.own.spread(residual)
+
+        def applied() -> Doubles:
+            right, left = self._vectors
+            right.setArray(mine)
+            self._pc.apply(right, left)
+            return np.asarray(left.getArray())
+
+        return self._fine.own.collect(applied)
+
+
+class PetscMultigrid(Multigrid):
+    """Conjugate gradients with PCMG.
+
+    Parameters
+    ----------
+    matrix : Scattered
+    space : PlateSpace
+    why : str
+    """
+
+    def __init__(self, matrix: Scattered, space: PlateSpace, why: str) -> None:
+        begin = time.perf_counter()
+        self.matrix, self.element, self.space = matrix, space.element, space
+        blocks, _, notes, _ = prolongations(space)
+        chain: list[Any] = []
+        while blocks:
+            chain.append(sp.csr_matrix(entries(blocks.pop(0))))
+        team = matrix.team
+        self._levels: Levels = team.calls.run(Levels, team, matrix.terms, matrix.known, chain)
+        self.name, self.why = f"{NAME.partition(' ')[0]} (multigrid)", why
+        self.warnings = tuple(notes)
+        self.setup_seconds = time.perf_counter() - begin
+        self._factorisation: Any = None
+        self._unused = True
+
     def precondition(self, residual: Floats) -> Floats:
         """One cycle from zero."""
-        right, left = self._vectors
-        right.setArray(self._fine.own.spread(np.asarray(residual, dtype=float)))
-        self._pc.apply(right, left)
-        return self._fine.own.collect(left.getArray)
+        return self._levels.cycle(np.asarray(residual, dtype=float))
 
     def _run(
         self, rhs: Floats, tolerance: float | None, progress: Progress | None, product: Product | None

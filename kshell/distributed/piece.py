@@ -1,143 +1,78 @@
-"""The triangles of one process: their part of a surface and of what belongs to it, in numbers of their own.
+"""What each process has of a model: the triangles of its own, in numbers of their own.
 
-Whatever depends on neighbours, as directors at edges and normals do, is found on the whole surface and dealt out. Nodes
-and rotations ascend as in the whole, so that edges run the same way.
+The first process has the whole. It finds what belongs to the triangles of each process, as supports and what depends on
+neighbours, and deals it out; vertices, edges and unknowns ascend as in the whole, so that edges run the same way.
+`kshell.distributed.surface_piece` has what is dealt out of shells, `kshell.distributed.plate_piece` that of plates.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.distributed.calls import Shared
+from kshell.distributed.matrix import Terms
+from kshell.distributed.partition import partition, share_of_first
+from kshell.distributed.shares import Share
+from kshell.distributed.team import Team
 from kshell.mesh.mesh import Mesh
-from kshell.shell.koiter.edges import Directors
-from kshell.shell.koiter.surface import Surface
-from kshell.shell.reference import reference_triangle
-from kshell.shell.section import Section
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
+T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class Places:
-    """The numbers in the whole of what some triangles have, each ascending.
+class Places(Protocol):
+    """The numbers in the whole of what some triangles have, each ascending."""
+
+    @property
+    def triangles(self) -> Ints:
+        """Their own."""
+
+    @property
+    def unknowns(self) -> Ints:
+        """Of the unknowns at them."""
+
+
+class Piece(Shared):
+    """Some triangles of each process.
+
+    Parameters
+    ----------
+    team : Team
+    places : sequence of Places
+        Of each process; of the first one alone.
+    count : int
+        How many unknowns the whole has; the same way.
 
     Attributes
     ----------
-    triangles, nodes, sets, rotations, unknowns : int arrays
-        Sets are those of the rotations of an edge.
+    unknowns : Share
     """
 
-    triangles: Ints
-    nodes: Ints
-    sets: Ints
-    rotations: Ints
-    unknowns: Ints
+    def __init__(self, team: Team, places: Sequence[Any], count: int) -> None:
+        super().__init__(team)
+        self.places = places
+        self.unknowns = self.share(lambda some: some.unknowns, count)
 
-    @classmethod
-    def of(cls, surface: Surface, triangles: Ints) -> Places:
-        """Those of some triangles of a surface, which ascend."""
-        p = surface.order
-        nodes = np.unique(surface.triangle_nodes[triangles])
-        sets = np.unique(surface.rotation_edge[triangles])
-        rotations = (p * sets[:, None].astype(np.int64) + np.arange(p)).ravel()
-        translations = (3 * nodes[:, None].astype(np.int64) + np.arange(3)).ravel()
-        return cls(
-            triangles, nodes, sets, rotations, np.append(translations, surface.rotation_start + rotations)
-        )
+    def share(self, of: Callable[[Any], Ints], count: int) -> Share:
+        """Rows of something whole, by places; the count is that of the first process."""
+        return Share(self.team, [of(some) for some in self.places], count)
 
+    def dealt(self, data: Callable[[Any], T]) -> T:
+        """What the first process makes of the places of this one."""
+        return self.team.deal(lambda rank: data(self.places[rank]))
 
-@dataclass(frozen=True)
-class SurfaceData:
-    """What makes a `PartSurface`: arrays alone, in numbers of the part."""
-
-    order: int
-    nodes: Floats
-    triangle_nodes: NDArray[np.int32]
-    rotation_edge: NDArray[np.int32]
-    edge_sign: NDArray[np.int8]
-    sets: int
-
-    @classmethod
-    def of(cls, surface: Surface, places: Places) -> SurfaceData:
-        """That of some triangles of a surface."""
-        some = places.triangles
-        return cls(
-            surface.order,
-            surface.nodes[places.nodes],
-            np.searchsorted(places.nodes, surface.triangle_nodes[some]).astype(np.int32),
-            np.searchsorted(places.sets, surface.rotation_edge[some]).astype(np.int32),
-            surface.edge_sign[some],
-            len(places.sets),
-        )
+    def terms(self, work: Callable[[], sp.csr_matrix]) -> Terms:
+        """What a function gives on each process, its matrix on its unknowns."""
+        return Terms(self.team, self.unknowns, self.team.together(work))
 
 
-class PartSurface(Surface):
-    """A part of a surface by itself, for energies and masses.
-
-    Parameters
-    ----------
-    data : SurfaceData
-    """
-
-    def __init__(self, data: SurfaceData) -> None:
-        vertices = int(data.triangle_nodes[:, :3].max()) + 1
-        self.order, self.nodes, self.flat_nodes = data.order, data.nodes, data.nodes
-        self.mesh = Mesh(data.nodes[:vertices], data.triangle_nodes[:, :3])
-        self.reference = reference_triangle(data.order)
-        self.triangle_nodes, self.edge_sign = data.triangle_nodes, data.edge_sign
-        self.node_count = len(data.nodes)
-        self.rotation_owner = np.zeros(data.sets, dtype=np.int32)  # edges of the whole, of no use here
-        self._number_unknowns(data.rotation_edge)
-
-
-def section_of(section: Section, triangles: Ints, points: Floats | None = None) -> Section:
-    """The section of some triangles.
-
-    Parameters
-    ----------
-    points : (n, point, 3), optional
-        Places in these triangles at which it is asked for if it varies inside them; nowhere else then.
-    """
-
-    def some(values: Floats) -> Floats:
-        return values[triangles] if len(values) > 1 else values
-
-    varying = None
-    if section.varying is not None:
-        assert points is not None
-        varying = Tabulated(*section.varying(triangles, points))
-    return replace(
-        section,
-        membrane=some(section.membrane),
-        coupling=some(section.coupling),
-        bending=some(section.bending),
-        angle=some(section.angle),
-        direction=section.direction_of(triangles),
-        varying=varying,
-    )
-
-
-@dataclass(frozen=True)
-class Tabulated:
-    """A, B, D of triangles at their interior points, (triangle, point, 3, 3)."""
-
-    membrane: Floats
-    coupling: Floats
-    bending: Floats
-
-    def __call__(self, triangles: Ints, points: Floats) -> tuple[Floats, Floats, Floats]:
-        """Those of some triangles, whose points are known."""
-        return self.membrane[triangles], self.coupling[triangles], self.bending[triangles]
-
-
-def directors_of(directors: Directors, places: Places) -> Directors:
-    """The directors of some triangles."""
-    return Directors(
-        np.ascontiguousarray(directors.vectors[:, places.rotations]),
-        directors.base[places.nodes],
-        directors.angle[places.triangles],
-    )
+def members_of(team: Team, mesh: Mesh) -> list[Ints]:
+    """The triangles of each process, ascending."""
+    part = partition(mesh, team.size, share_of_first(team.size))
+    return [np.flatnonzero(part == rank) for rank in range(team.size)]

@@ -1,32 +1,36 @@
-"""Plates of a team: every process has the element matrices of its own triangles, PETSc solves.
+"""Plates of a team: every process has the triangles of its own with their element matrices, PETSc solves.
 
-Large plates are solved by conjugate gradients with the multigrid of kshell as PCMG, all others by MUMPS.
+The first process has the whole plate too. Forms along supports and lines, few triangles have them, are its own; forms
+over areas are divided. Large plates are solved by conjugate gradients with the multigrid of kshell as PCMG, all others
+by MUMPS.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.distributed.calls import Shared, on_all
 from kshell.distributed.factor import Symmetric
 from kshell.distributed.matrix import Terms
 from kshell.distributed.multigrid import PetscMultigrid
-from kshell.distributed.partition import partition
+from kshell.distributed.piece import Piece, members_of
+from kshell.distributed.plate_piece import PartForm, PlateData, PlatePart, PlatePlaces, dealt_forms
 from kshell.distributed.prepared import PetscFactorisation
-from kshell.distributed.shares import Share
 from kshell.distributed.team import Team
 from kshell.equilibrium.model import NO_DENSITY, Solved
 from kshell.errors import InputError
-from kshell.plate.assembly import Assembled, assemble_load, assemble_part
-from kshell.plate.forms import Form
+from kshell.plate.assembly import Assembled, assemble, assemble_fixed, assemble_load, assemble_terms
+from kshell.plate.forms import AreaForm, Form
 from kshell.plate.model import PlateModel
 from kshell.plate.pattern import FullPattern, Pattern
+from kshell.plate.planes import take_planes_off
 from kshell.plate.problem import PlateProblem
-from kshell.plate.product import part_product
 from kshell.scene.structure import Structure
 from kshell.solvers.auto import MANY_THIN, MULTIGRID_FROM, thin_share
 from kshell.solvers.system import Prepared
@@ -37,6 +41,118 @@ Ints = NDArray[np.integer]
 BACKEND = "cholmod"  # in the table of measurements the one that is as fast as MUMPS
 
 
+class PlatePiece(Piece):
+    """The triangles of each process.
+
+    Parameters
+    ----------
+    team : Team
+    members : list of int arrays
+        The triangles of each process, ascending.
+    problem : PlateProblem
+        The whole plate, which the first process alone looks at.
+
+    Attributes
+    ----------
+    part : PlatePart
+        The triangles of this process, on their unknowns.
+    """
+
+    def __init__(self, team: Team, members: Sequence[Ints], problem: PlateProblem) -> None:
+        first = team.rank == 0
+        places = [PlatePlaces.of(problem, some) for some in members] if first else []
+        super().__init__(team, places, problem.reduction.count if first else 0)
+        element, data = self.dealt(lambda mine: (problem.element, PlateData.of(problem, mine)))
+        self.part = team.together(lambda: PlatePart(element, data))
+
+
+class PlateForms(Shared):
+    """Forms over areas in the triangles of each process.
+
+    Parameters
+    ----------
+    team : Team
+    piece : PlatePiece
+    forms : list of AreaForm
+        On the whole plate, which the first process alone looks at.
+    """
+
+    def __init__(self, team: Team, piece: PlatePiece, forms: list[AreaForm]) -> None:
+        super().__init__(team)
+        self.piece = piece
+        given = piece.dealt(lambda mine: dealt_forms(forms, mine))
+        self.forms = [PartForm(piece.part, bends, batches) for bends, batches in given]
+
+    @on_all
+    def terms(self) -> Terms:
+        """Their sum."""
+        part = self.piece.part
+
+        def matrix() -> sp.csr_matrix:
+            pattern = Pattern(part.reduction)
+            found: sp.csr_matrix = assemble(self.forms, [], part.domain, part.reduction, pattern).matrix
+            part.domain.forget()
+            return found
+
+        return self.piece.terms(matrix)
+
+    @on_all
+    def product(self, q: Floats) -> Floats:
+        """Their sum times (unknown,) or (unknown, k), bending through strains: see `kshell.plate.product`."""
+        own = self.piece.unknowns.spread(q)
+        return self.piece.unknowns.collect(
+            lambda: self._product(own.reshape(len(own), -1)).reshape(own.shape)
+        )
+
+    def _product(self, q: Floats) -> Floats:
+        domain, layout, reduction = self.piece.part.domain, self.piece.part.layout, self.piece.part.reduction
+        known = np.concatenate([q, np.zeros((1, q.shape[1]))])  # -1, a fixed column, takes the last row
+        out = np.zeros_like(known)
+        for form in self.forms:
+            for _, triangles in form.blocks():
+                dofs = layout.triangle_dofs(triangles)
+                every = np.broadcast_to(np.eye(dofs.shape[1]), (*dofs.shape, dofs.shape[1]))
+                maps, unknown = reduction.local_transform(triangles, dofs, every)
+                motion = maps @ known[unknown]  # (triangle, dof, k)
+                if form.bends:
+                    for column in np.moveaxis(motion, 2, 0):
+                        take_planes_off(domain, layout, triangles, column)
+                transform = layout.element.transformation(domain.affine(triangles))
+                strained, places = transform @ motion, np.where(unknown < 0, len(q), unknown)
+                for k in range(q.shape[1]):
+                    force = form.products(triangles, transform, strained[:, :, k : k + 1])
+                    force = (force[:, None] @ maps)[:, 0]
+                    out[:, k] += np.bincount(places.ravel(), force.ravel(), len(out))
+        domain.forget()
+        return out[:-1]
+
+
+class Divided:
+    """A sum of forms: over areas on all processes, along supports and lines on the first.
+
+    Parameters
+    ----------
+    team : Team
+    problem : PartedPlateProblem
+    forms : sequence of Form
+    """
+
+    def __init__(self, team: Team, problem: PartedPlateProblem, forms: Sequence[Form]) -> None:
+        areas = [form for form in forms if isinstance(form, AreaForm)]
+        others = [form for form in forms if not isinstance(form, AreaForm)]
+        self.areas: PlateForms = team.calls.run(PlateForms, team, problem.piece, areas)
+        self.known = assemble_terms(others, problem.domain, problem.reduction) if others else None
+
+    def matrix(self) -> Symmetric:
+        """On the unknowns."""
+        return Symmetric(self.areas.terms(), self.known)
+
+    def product(self, q: Floats) -> Floats:
+        """The matrix times (unknown,) or (unknown, k), bending through strains."""
+        found = self.areas.product(q)
+        return found if self.known is None else found + self.known @ q
+
+
 class PartedPlateProblem(PlateProblem):
     """A plate whose matrix is divided.
 
@@ -45,49 +161,26 @@ class PartedPlateProblem(PlateProblem):
     team : Team
     structure, element :
         As of `PlateProblem`.
+
+    Attributes
+    ----------
+    piece : PlatePiece
+    stiffness : Divided
     """
 
     small = False  # a dense matrix is not divided
 
     def __init__(self, team: Team, structure: Structure, element: Any) -> None:
-        self.team = team
         super().__init__(structure, element)
-        mesh = self.mesh
-        part = team.once(lambda: partition(mesh, team.size))
-        self.own = part == team.rank
-        starts = np.concatenate([[0], np.cumsum(self.reduction.sizes)])
-        nodes = np.concatenate([mesh.triangles, len(mesh.points) + mesh.triangle_edges], axis=1)
-
-        def unknowns_of(rank: int) -> Ints:
-            some = np.unique(nodes[part == rank])
-            counts = self.reduction.sizes[some]
-            first = np.repeat(starts[some] - (np.cumsum(counts) - counts), counts)
-            return first + np.arange(len(first))
-
-        every = [unknowns_of(rank) for rank in range(team.size)]
-        self.share = Share(team, every, self.reduction.count)
-
-    def terms(self, forms: Sequence[Form]) -> Symmetric:
-        """The sum of forms."""
-        return Symmetric(
-            _terms(
-                self, self.team.together(lambda: assemble_part(forms, self.domain, self.reduction, self.own))
-            )
-        )
+        self.team = team
+        self.piece: PlatePiece = team.calls.run(PlatePiece, team, members_of(team, self.mesh), self)
+        self.stiffness = Divided(team, self, self.forms)
 
     def _assemble(self, pattern: Pattern | FullPattern | None = None) -> Assembled:
-        team = self.team
-        own = team.together(lambda: assemble_part(self.forms, self.domain, self.reduction, self.own))
-        load, work = assemble_load(
-            [*self.loads.forms, *self.supports.hold_loads], self.domain, self.reduction
-        )
-        return Assembled(
-            Symmetric(_terms(self, own)),
-            load,
-            work,
-            team.sum((self.reduction.count,), lambda: own.fixed_load),
-            team.number(lambda: own.fixed_energy),
-        )
+        loads = [*self.loads.forms, *self.supports.hold_loads]
+        load, work = assemble_load(loads, self.domain, self.reduction)
+        fixed_load, fixed_energy = assemble_fixed(self.forms, self.domain, self.reduction)
+        return Assembled(self.stiffness.matrix(), load, work, fixed_load, fixed_energy)
 
     @cached_property
     def assembled(self) -> Assembled:
@@ -98,12 +191,6 @@ class PartedPlateProblem(PlateProblem):
     def system(self) -> Assembled:
         """The same."""
         return self.assembled
-
-
-def _terms(problem: PartedPlateProblem, own: Assembled) -> Terms:
-    """What the triangles of this process give, on their unknowns."""
-    mine = problem.share.mine
-    return Terms(problem.team, problem.share, own.matrix[mine][:, mine])
 
 
 class PartedPlateModel(PlateModel):
@@ -118,41 +205,36 @@ class PartedPlateModel(PlateModel):
 
     def __init__(self, team: Team, structure: Structure, element: str, reasons: Sequence[str] = ()) -> None:
         self.team = team
-        team.calls.alongside()  # every process has all of a plate
         super().__init__(structure, element, reasons)
 
     def _posed(self, structure: Structure, element: Any) -> PartedPlateProblem:
         return PartedPlateProblem(self.team, structure, element)
 
+    @property
+    def _parted(self) -> PartedPlateProblem:
+        return cast(PartedPlateProblem, self.problem)
+
     def like(self, structure: Structure, element: str) -> PlateModel:
         return PartedPlateModel(self.team, structure, element)
 
     def mass(self) -> Any:
-        problem = self.problem
-        assert isinstance(problem, PartedPlateProblem)
-        found = problem.terms(problem.inertia)
+        found = Divided(self.team, self._parted, self.problem.inertia).matrix()
         if not found.diagonal().any():
             raise InputError(NO_DENSITY)
         return found
 
     def product(self) -> Callable[[Floats], Floats]:
-        problem = self.problem
-        assert isinstance(problem, PartedPlateProblem)
-        own: Any = part_product(problem, problem.own)
-        return lambda q: self.team.sum(np.shape(q), lambda: own(q))
+        return self._parted.stiffness.product
 
     def _prepare(self, solver: str) -> Prepared:
-        problem = self.problem
-        assert isinstance(problem, PartedPlateProblem)
-        matrix, space = problem.assembled.matrix, problem.space
+        matrix, space = self.problem.assembled.matrix, self.problem.space
+        why = f"{self.unknowns} unknowns, on {_processes(self.team)}"
         if solver != "multigrid":
             limit = MULTIGRID_FROM[space.element, BACKEND]
             many = self.unknowns >= limit and thin_share(space) <= MANY_THIN
             if solver == "direct" or not many:
-                return PetscFactorisation(
-                    matrix, f"{self.unknowns} unknowns, on {_processes(self.team)}", space
-                )
-        return PetscMultigrid(matrix, space, f"{self.unknowns} unknowns, on {_processes(self.team)}")
+                return PetscFactorisation(matrix, why, space)
+        return PetscMultigrid(matrix, space, why)
 
     def solve_ahead(self, models: Sequence[PlateModel], solver: str = "auto") -> None:
         return  # one load after the other

@@ -57,6 +57,6 @@ def _named(matrix: Scattered, space: PlateSpace, error: SolveError) -> SolveErro
         return str(free_motion_error(whole, x, stiffness, space))
 
     try:
-        return SolveError(matrix.team.once(words))
+        return SolveError(matrix.team.calls.by_first(words))
     except Exception:
         return error

@@ -47,57 +47,64 @@ def _constant_coefficient(element: PlateElement, order: int, weight: Floats, tra
     return out
 
 
-def stiffness(
-    element: PlateElement, triangles: AffineTriangles, bending: Floats, transform: Floats
+def weighted(
+    element: PlateElement, triangles: AffineTriangles, order: int, weight: Floats, transform: Floats
 ) -> Floats:
-    """Integral of kappa(v)^T D kappa(w) with kappa = (w_xx, w_yy, 2 w_xy), exactly.
+    """Integral of (D^k v)^T W (D^k w) exactly, with the derivatives D^k of `rows` and W constant in each triangle.
 
     Parameters
     ----------
-    bending : (triangle, 3, 3) array
-        D, constant in each triangle; force times length.
+    order : int
+        k, 0 to 2.
+    weight : (triangle, partial, partial) array
+        W.
 
     Returns
     -------
     (triangle, unknown, unknown) array.
     """
-    return _constant_coefficient(element, 2, _bending_weight(triangles, bending), transform)
+    return _constant_coefficient(element, order, _reference_weight(triangles, order, weight), transform)
 
 
-def _bending_weight(triangles: AffineTriangles, bending: Floats) -> Floats:
-    """(triangle, partial, partial) D in reference derivatives, times the area."""
-    to_xy = triangles.curvature_map
-    return np.swapaxes(to_xy, 1, 2) @ bending @ to_xy * np.abs(triangles.determinant)[:, None, None]
-
-
-def stiffness_product(
-    element: PlateElement, triangles: AffineTriangles, bending: Floats, vector: Floats
+def weighted_product(
+    element: PlateElement, triangles: AffineTriangles, order: int, weight: Floats, vector: Floats
 ) -> Floats:
-    """`stiffness` times a function with reference degrees of freedom (triangle, reference dof).
+    """`weighted` times a function with reference degrees of freedom (triangle, reference dof).
 
     Returns
     -------
     (triangle, reference dof) array, without the matrices being formed.
     """
-    weight = _bending_weight(triangles, bending).reshape(len(vector), 1, -1)
+    reference = _reference_weight(triangles, order, weight).reshape(len(vector), 1, -1)
     n = element.count
-    tables = _tables(element.basis, 2).reshape(-1, n)  # R_ab is symmetric together with a and b
-    return (weight @ (vector @ tables.T).reshape(len(vector), -1, n))[:, 0]
+    tables = _tables(element.basis, order).reshape(-1, n)  # R_ab is symmetric together with a and b
+    return (reference @ (vector @ tables.T).reshape(len(vector), -1, n))[:, 0]
+
+
+def _reference_weight(triangles: AffineTriangles, order: int, weight: Floats) -> Floats:
+    """(triangle, partial, partial) W in reference derivatives, times the area."""
+    area = np.abs(triangles.determinant)[:, None, None]
+    to_xy = derivative_map(triangles, order)
+    return weight * area if to_xy is None else np.swapaxes(to_xy, 1, 2) @ weight @ to_xy * area
+
+
+def stiffness(
+    element: PlateElement, triangles: AffineTriangles, bending: Floats, transform: Floats
+) -> Floats:
+    """Integral of kappa(v)^T D kappa(w), kappa = (w_xx, w_yy, 2 w_xy) and D (triangle, 3, 3) in force times length."""
+    return weighted(element, triangles, 2, bending, transform)
 
 
 def mass(element: PlateElement, triangles: AffineTriangles, density: Floats, transform: Floats) -> Floats:
     """Integral of density v w, density (triangle,) per unit area: mass, or a Winkler foundation."""
-    weight = (np.abs(triangles.determinant) * density)[:, None, None]
-    return _constant_coefficient(element, 0, weight, transform)
+    return weighted(element, triangles, 0, density[:, None, None], transform)
 
 
 def geometric_stiffness(
     element: PlateElement, triangles: AffineTriangles, membrane_force: Floats, transform: Floats
 ) -> Floats:
     """Integral of grad v . N grad w, N (triangle, 2, 2) force per length, constant in each triangle."""
-    inverse = triangles.inverse
-    weight = inverse @ membrane_force @ np.swapaxes(inverse, 1, 2)
-    return _constant_coefficient(element, 1, weight * np.abs(triangles.determinant)[:, None, None], transform)
+    return weighted(element, triangles, 1, membrane_force, transform)
 
 
 def load(element: PlateElement, triangles: AffineTriangles, pressure: Floats, transform: Floats) -> Floats:

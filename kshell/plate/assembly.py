@@ -78,37 +78,21 @@ def assemble(
             continue
         blocks = batch.part.matrices(batch.positions, batch.reduced)
         pattern.add(data, batch.triangles, batch.unknown, blocks)
-        if batch.moved is not None:
-            both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
-            add_to(fixed_load, batch.unknown, -both[:, :-1, -1])
-            fixed_energy += float(both[:, -1, -1].sum())
+        fixed_energy += _add_fixed(fixed_load, batch)
     return Assembled(pattern.matrix(data[:-1]), load, load_work, fixed_load, fixed_energy)
 
 
-def assemble_part(
-    forms: Sequence[Form], domain: Domain, reduction: Reduction, wanted: NDArray[np.bool_]
-) -> Assembled:
-    """What some triangles contribute to the sum of forms; no loads.
-
-    Parameters
-    ----------
-    wanted : (triangle,) bool array
-
-    Returns
-    -------
-    Assembled
-        Its matrix is of the size of the whole; entries that others share are incomplete.
-    """
+def assemble_terms(forms: Sequence[Form], domain: Domain, reduction: Reduction) -> sp.csr_matrix:
+    """The matrix of forms that few triangles have, as those along supports, on all unknowns."""
     shape = (reduction.count, reduction.count)
     matrix, waiting = sp.csr_matrix(shape), 0
     parts: list[tuple[Any, Any, Floats]] = []
-    fixed_load, fixed_energy = np.zeros(reduction.count), 0.0
 
     def added() -> sp.csr_matrix:
         row, column, data = (np.concatenate(part) for part in zip(*parts, strict=True))
         return matrix + sp.csr_matrix((data, (row, column)), shape=shape)
 
-    for batch in _batches(forms, domain, reduction, wanted):
+    for batch in _batches(forms, domain, reduction):
         blocks = batch.part.matrices(batch.positions, batch.reduced)
         unknown, local = batch.unknown, batch.unknown.shape[1]
         row, column = np.repeat(unknown, local, axis=1).ravel(), np.tile(unknown, (1, local)).ravel()
@@ -117,12 +101,28 @@ def assemble_part(
         waiting += len(free)
         if waiting > AT_ONCE:
             matrix, waiting, parts = added(), 0, []
-        if batch.moved is not None:
-            both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
-            add_to(fixed_load, batch.unknown, -both[:, :-1, -1])
-            fixed_energy += float(both[:, -1, -1].sum())
-    matrix = added() if parts else matrix
-    return Assembled(matrix, np.zeros(reduction.count), 0.0, fixed_load, fixed_energy)
+    return added() if parts else matrix
+
+
+def assemble_fixed(forms: Sequence[Form], domain: Domain, reduction: Reduction) -> tuple[Floats, float]:
+    """What prescribed motion contributes to the right-hand side, and twice its energy: of triangles that it moves."""
+    load, energy = np.zeros(reduction.count), 0.0
+    moved = np.zeros(len(reduction.sizes), dtype=bool)
+    moved[reduction.layout.node[np.flatnonzero(reduction.particular)]] = True
+    mesh = domain.mesh
+    touched = (moved[mesh.triangles] | moved[len(mesh.points) + mesh.triangle_edges]).any(axis=1)
+    for batch in _batches(forms, domain, reduction, np.asarray(touched)):
+        energy += _add_fixed(load, batch)
+    return load, energy
+
+
+def _add_fixed(load: Floats, batch: _Batch) -> float:
+    """Add what prescribed motion of some triangles contributes to the right-hand side; twice its energy."""
+    if batch.moved is None:
+        return 0.0
+    both = batch.part.matrices(batch.positions, np.concatenate([batch.reduced, batch.moved], axis=2))
+    add_to(load, batch.unknown, -both[:, :-1, -1])
+    return float(both[:, -1, -1].sum())
 
 
 def assemble_load(loads: Sequence[LinearForm], domain: Domain, reduction: Reduction) -> tuple[Floats, float]:

@@ -153,6 +153,10 @@ class Domain:
         self._latest = [(triangles, affine), *self._latest[: KEPT - 1]]
         return affine
 
+    def forget(self) -> None:
+        """Drop the maps of the last batches, 7 kB for each triangle of Argyris."""
+        self._latest = []
+
     @cached_property
     def every(self) -> Ints:
         """All triangles; the batch that is assembled where there is but one."""

@@ -6,14 +6,15 @@ triangles with constant stiffness the bending form has a closed expression and i
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements import PlateElement, matrices
+from kshell.elements import AffineTriangles, PlateElement, matrices
 from kshell.material.section import Section
 from kshell.plate.domain import Domain, EdgePatch
 
@@ -46,8 +47,73 @@ class Form(Protocol):
         return self.matrices(positions, np.concatenate([transform, motion], axis=2))[:, :-1, -1]
 
 
+@dataclass(frozen=True)
+class Weights:
+    """The weight W of an `AreaForm` in some triangles, all of them straight or all of them curved.
+
+    Attributes
+    ----------
+    order : int
+        k, as of the form.
+    weight : (n, r, r) or (n, point, r, r) array
+        Constant in each triangle, or at points, with the areas that belong to them.
+    xi : (point, 2) or (n, point, 2) array or None
+        Reference coordinates of the points; None where it is constant in each triangle.
+    """
+
+    order: int
+    weight: Floats
+    xi: Floats | None = None
+
+    def matrices(self, element: PlateElement, affine: AffineTriangles, transform: Floats) -> Floats:
+        """(n, local, local) integrals of (D^k v)^T W D^k w."""
+        if self.xi is None:
+            return matrices.weighted(element, affine, self.order, self.weight, transform)
+        rows = matrices.rows(element, affine, self.xi, self.order, transform)
+        return matrices.integrate_products(rows, self.weight, rows)
+
+    def some(self, which: Ints) -> Weights:
+        """Those of some of the triangles."""
+        own = self.xi is not None and self.xi.ndim == 3
+        return replace(
+            self, weight=self.weight[which], xi=self.xi[which] if own and self.xi is not None else self.xi
+        )
+
+
+class AreaForm(Form):
+    """Integral of (D^k v)^T W D^k w over triangles: its batches are numbered as the triangles are.
+
+    Attributes
+    ----------
+    domain : Domain
+    element : PlateElement
+    """
+
+    domain: Domain
+    element: PlateElement
+
+    @abstractmethod
+    def weights(self, triangles: Ints) -> Weights:
+        """W in a batch of triangles, none longer than a block."""
+
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
+        for block in self.domain.blocks():
+            yield block, block
+
+    def matrices(self, positions: Ints, transform: Floats) -> Floats:
+        return self.weights(positions).matrices(self.element, self.domain.affine(positions), transform)
+
+    def products(self, positions: Ints, transform: Floats, motion: Floats) -> Floats:
+        found = self.weights(positions)
+        if found.xi is not None:
+            return super().products(positions, transform, motion)
+        affine = self.domain.affine(positions)
+        force = matrices.weighted_product(self.element, affine, found.order, found.weight, motion[..., 0])
+        return (force[:, None] @ transform)[:, 0]
+
+
 @dataclass
-class Bending(Form):
+class Bending(AreaForm):
     """Bending energy, integral of kappa^T D kappa."""
 
     everywhere = True
@@ -60,27 +126,11 @@ class Bending(Form):
         constant = self.section.constant_per_triangle
         self.constant = self.section.bending_per_triangle() if constant else None
 
-    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
-        for block in self.domain.blocks():
-            yield block, block
-
-    def matrices(self, positions: Ints, transform: Floats) -> Floats:
-        affine = self.domain.affine(positions)
-        if self.constant is not None and not self.domain.is_curved[positions[0]]:
-            return matrices.stiffness(self.element, affine, self.constant[positions], transform)
-        patch = next(self.domain.patches(self._degree(), positions))
-        kappa = matrices.rows(self.element, affine, patch.xi, 2, transform)
-        return matrices.integrate_products(
-            kappa, self.stiffness(patch.triangles, patch.xy, patch.weights), kappa
-        )
-
-    def products(self, positions: Ints, transform: Floats, motion: Floats) -> Floats:
-        if self.constant is None or self.domain.is_curved[positions[0]]:
-            return super().products(positions, transform, motion)
-        force = matrices.stiffness_product(
-            self.element, self.domain.affine(positions), self.constant[positions], motion[..., 0]
-        )
-        return (force[:, None] @ transform)[:, 0]
+    def weights(self, triangles: Ints) -> Weights:
+        if self.constant is not None and not self.domain.is_curved[triangles[0]]:
+            return Weights(2, self.constant[triangles])
+        patch = next(self.domain.patches(self._degree(), triangles))
+        return Weights(2, self.stiffness(patch.triangles, patch.xy, patch.weights), patch.xi)
 
     def _degree(self) -> int:
         bending_degree = 2 * (self.element.maxdeg - 2)
@@ -99,7 +149,7 @@ class Bending(Form):
 
 
 @dataclass
-class AreaSpring(Form):
+class AreaSpring(AreaForm):
     """Winkler foundation: integral of k w^2 over some triangles; ``degree`` is that of k, None: no polynomial."""
 
     everywhere = False
@@ -114,11 +164,9 @@ class AreaSpring(Form):
         for block in self.domain.blocks(self.triangles):
             yield block, block
 
-    def matrices(self, positions: Ints, transform: Floats) -> Floats:
-        patch = next(self.domain.patches(2 * self.element.maxdeg, positions))
-        rows = matrices.rows(self.element, self.domain.affine(positions), patch.xi, 0, transform)
-        weight = (patch.weights * self.stiffness(patch.xy))[..., None, None]
-        return matrices.integrate_products(rows, weight, rows)
+    def weights(self, triangles: Ints) -> Weights:
+        patch = next(self.domain.patches(2 * self.element.maxdeg, triangles))
+        return Weights(0, (patch.weights * self.stiffness(patch.xy))[..., None, None], patch.xi)
 
 
 @dataclass
@@ -182,7 +230,7 @@ def edge_patch_for(domain: Domain, element: PlateElement, edges: Ints) -> EdgePa
 
 def edge_rows(
     element: PlateElement,
-    affine: matrices.AffineTriangles,
+    affine: AffineTriangles,
     patch: EdgePatch,
     positions: Ints | slice,
     slope: bool,

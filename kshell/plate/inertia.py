@@ -9,16 +9,16 @@ give
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements import PlateElement, matrices
+from kshell.elements import PlateElement
 from kshell.material.section import Section
 from kshell.plate.domain import Domain
-from kshell.plate.forms import Form
+from kshell.plate.forms import AreaForm, Weights
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -29,7 +29,7 @@ VARIABLE = 3  # further degrees of quadrature where the mass varies in a triangl
 
 
 @dataclass
-class Mass(Form):
+class Mass(AreaForm):
     """Integral of mass per area times v w."""
 
     everywhere = True
@@ -38,27 +38,20 @@ class Mass(Form):
     element: PlateElement
     section: Section
 
-    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
-        for block in self.domain.blocks():
-            yield block, block
-
-    def matrices(self, positions: Ints, transform: Floats) -> Floats:
-        affine = self.domain.affine(positions)
+    def weights(self, triangles: Ints) -> Weights:
         constant = self.section.constant_per_triangle
-        if constant and not self.domain.is_curved[positions[0]]:
-            centres = self.domain.mesh.points[self.domain.mesh.triangles[positions]].mean(axis=1)
-            density = self.section.mass(positions, centres[:, None])[:, 0]
-            return matrices.mass(self.element, affine, density, transform)
+        if constant and not self.domain.is_curved[triangles[0]]:
+            centres = self.domain.mesh.points[self.domain.mesh.triangles[triangles]].mean(axis=1)
+            return Weights(0, self.section.mass(triangles, centres[:, None])[..., None])
         degree = 2 * self.element.maxdeg + (0 if constant else VARIABLE)
-        patch = next(self.domain.patches(degree, positions))
-        rows = matrices.rows(self.element, affine, patch.xi, 0, transform)
+        patch = next(self.domain.patches(degree, triangles))
         z = np.broadcast_to(self.domain.mesh.points[0, 2], (*patch.xy.shape[:2], 1))
-        density = self.section.mass(positions, np.concatenate([patch.xy, z], axis=2))
-        return matrices.integrate_products(rows, (patch.weights * density)[..., None, None], rows)
+        density = self.section.mass(triangles, np.concatenate([patch.xy, z], axis=2))
+        return Weights(0, (patch.weights * density)[..., None, None], patch.xi)
 
 
 @dataclass
-class Membrane(Form):
+class Membrane(AreaForm):
     """Integral of grad v . N grad w: the geometric stiffness of membrane forces N.
 
     Attributes
@@ -76,19 +69,10 @@ class Membrane(Form):
     force: MembraneForce
     degree: int
 
-    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
-        for block in self.domain.blocks():
-            yield block, block
-
-    def matrices(self, positions: Ints, transform: Floats) -> Floats:
-        affine = self.domain.affine(positions)
-        if self.degree == 0 and not self.domain.is_curved[positions[0]]:
-            centre = np.full((len(positions), 1, 2), 1 / 3)
-            return matrices.geometric_stiffness(
-                self.element, affine, self.force(positions, centre)[:, 0], transform
-            )
-        patch = next(self.domain.patches(2 * (self.element.maxdeg - 1) + self.degree, positions))
-        slopes = matrices.rows(self.element, affine, patch.xi, 1, transform)
+    def weights(self, triangles: Ints) -> Weights:
+        if self.degree == 0 and not self.domain.is_curved[triangles[0]]:
+            centre = np.full((len(triangles), 1, 2), 1 / 3)
+            return Weights(1, self.force(triangles, centre)[:, 0])
+        patch = next(self.domain.patches(2 * (self.element.maxdeg - 1) + self.degree, triangles))
         xi = np.broadcast_to(patch.xi, patch.xy.shape)
-        weight = patch.weights[..., None, None] * self.force(positions, xi)
-        return matrices.integrate_products(slopes, weight, slopes)
+        return Weights(1, patch.weights[..., None, None] * self.force(triangles, xi), patch.xi)

@@ -19,8 +19,12 @@ Floats = NDArray[np.floating[Any]]
 
 def less_planes(domain: Domain, layout: Layout, triangles: NDArray[np.integer], d: Floats) -> Floats:
     """(n, local) physical degrees of freedom of some triangles, from all (dof,), less the planes."""
+    return take_planes_off(domain, layout, triangles, d[layout.triangle_dofs(triangles)])
+
+
+def take_planes_off(domain: Domain, layout: Layout, triangles: NDArray[np.integer], local: Floats) -> Floats:
+    """The same in place, from those of the triangles (n, local)."""
     mesh, step = domain.mesh, layout.per_vertex
-    local = d[layout.triangle_dofs(triangles)]
     slope = plane_slopes(domain.points[mesh.triangles[triangles]], local[:, : 3 * step : step])
     local[:, : 3 * step : step] = 0.0
     if step > 1:

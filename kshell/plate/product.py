@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.plate.assembly import assemble, assemble_part
+from kshell.plate.assembly import assemble
 from kshell.plate.pattern import Pattern
 from kshell.plate.planes import less_planes
 from kshell.plate.problem import PlateProblem
@@ -28,29 +28,18 @@ def strain_product(problem: PlateProblem) -> Callable[[Floats], Floats]:
 
     One product takes about as long as the assembly; those of several columns share what belongs to the triangles.
     """
-    return part_product(problem, None)
-
-
-def part_product(problem: PlateProblem, wanted: NDArray[np.bool_] | None) -> Callable[[Floats], Floats]:
-    """What wanted triangles (triangle,) contribute to that, all if None."""
     layout, domain = problem.layout, problem.domain
     reduction = problem.space.reduction.tocsr()
     springs = [form for form in problem.forms if form is not problem.bending]
     elastic = None
     if springs:
-        if wanted is None:
-            elastic = assemble(springs, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
-        else:
-            elastic = assemble_part(springs, domain, problem.reduction, wanted).matrix
-    blocks = [block if wanted is None else block[wanted[block]] for block in domain.blocks()]
+        elastic = assemble(springs, [], domain, problem.reduction, Pattern(problem.reduction)).matrix
 
     def product(q: Floats) -> Floats:
         columns = q.reshape(len(q), -1)
         motions = np.ascontiguousarray((reduction @ columns).T)
         out = np.zeros((layout.count, len(motions)))
-        for block in blocks:
-            if not len(block):
-                continue
+        for block in domain.blocks():
             dofs = layout.triangle_dofs(block)
             transform = layout.element.transformation(domain.affine(block))
             local = np.stack([less_planes(domain, layout, block, d) for d in motions], axis=2)

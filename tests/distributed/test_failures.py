@@ -23,8 +23,8 @@ MAIN = "from kshell.cli.commands import main\nmain()\n"
 STAGES = {
     "read": ("kshell.scene.scene", "Scene.read_mesh"),
     "resolve": ("kshell.analysis.solve", "resolve"),
-    "deal": ("kshell.distributed.piece", "SurfaceData.of"),
-    "receive": ("kshell.distributed.piece", "PartSurface.__init__"),
+    "deal": ("kshell.distributed.surface_piece", "SurfaceData.of"),
+    "receive": ("kshell.distributed.surface_piece", "PartSurface.__init__"),
     "assemble": ("kshell.shell.koiter.energy", "Koiter.linear_stiffness"),
     "supports": ("kshell.shell.problem", "apply_supports"),
     "reduce": ("kshell.distributed.numbering", "blocks_of"),

@@ -16,6 +16,7 @@ import pytest
 
 import kshell as ks
 from tests.distributed.processes import MISSING, run_code
+from tests.plate.plates import disk
 
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"the extra distributed is not installed: {MISSING}")
 
@@ -165,6 +166,24 @@ def plate(element: str) -> ks.Scene:
     )
 
 
+def stepped_disk() -> ks.Scene:
+    """Curved edges, a curved line at which the stiffness jumps, and a soft ground."""
+    mesh = disk(4, 2)
+    radius = np.linalg.norm(mesh.points[mesh.triangles][..., :2], axis=2)
+    inner = np.flatnonzero((radius < 0.5 + 1e-9).all(axis=1))
+    outer = np.setdiff1d(np.arange(len(mesh.triangles)), inner)
+    groups = {**mesh.groups, "in": ks.mesh.Group(2, inner), "out": ks.mesh.Group(2, outer)}
+    return ks.Scene(
+        mesh=ks.Mesh(mesh.points, mesh.triangles, mesh.midpoints, groups),
+        thickness={"in": 0.02, "out": 0.01},
+        material=ks.Isotropic(E=1e9, nu=0.3),
+        supports=[ks.SimplySupported("edge"), ks.Elastic("in", 1e5, "z")],
+        loads=[ks.Pressure("100*(1 + x + 0.5*y)")],
+        probes={"centre": (0.1, 0.0, 0.0)},
+        solve={"element": "argyris", "model": "plate", "large_deflection": False},
+    )
+
+
 def large(**options: Any) -> ks.Scene:
     """A strip that bends far under a pressure that turns with it, or a path of it."""
     mesh = ks.geometry.Plane().mesh(8, 2, 1, ("left", "right", "bottom", "top"), (0.0, 10.0), (0.0, 1.0))
@@ -206,6 +225,7 @@ SCENES: dict[str, Callable[[], ks.Scene]] = {
     "auto": lambda: large(),
     "morley": lambda: plate("morley"),
     "argyris": lambda: plate("argyris"),
+    "disk": stepped_disk,
 }
 # how far displacements, reactions, and everything else may be off. Small deflections are refined to 1e-11 of the
 # energy; stresses are differences of displacements over the size of a triangle, of which rounding alone leaves 5e-12 at
@@ -251,6 +271,7 @@ ON: dict[int, list[str]] = {
         "path",
         "morley",
         "argyris",
+        "disk",
     ],
 }
 

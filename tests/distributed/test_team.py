@@ -1,12 +1,9 @@
 """Several processes played by threads: what they put together is what one has, and errors are raised by all."""
 
-import pickle
 import threading
-import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
-from queue import SimpleQueue
 from typing import Any
 
 import numpy as np
@@ -25,87 +22,15 @@ from kshell.distributed.leading import Told, answered
 from kshell.distributed.matrix import Scattered
 from kshell.distributed.numbering import Assembled, Basis, Numbering, reduced
 from kshell.distributed.partition import cut_by_places, partition, share_of_first
-from kshell.distributed.piece import PartSurface, Places, SurfaceData, section_of
 from kshell.distributed.shares import Share
+from kshell.distributed.surface_piece import PartSurface, SurfaceData, SurfacePlaces, section_of
 from kshell.distributed.team import Team
 from kshell.equilibrium.reduction import Reduction
 from kshell.scene.structure import resolve
 from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.section import Section
 from kshell.solvers.repeated import Factor
-
-
-class Threads:
-    """What a team needs of a communicator, among threads."""
-
-    def __init__(self, rank: int, slots: list[Any], barrier: threading.Barrier, mail: dict[Any, Any]) -> None:
-        self.rank, self.size, self.slots, self.barrier = rank, len(slots), slots, barrier
-        self.mail = mail
-
-    def _box(self, source: int, dest: int, tag: int) -> SimpleQueue[Any]:
-        box: SimpleQueue[Any] = self.mail.setdefault((source, dest, tag), SimpleQueue())
-        return box
-
-    def send(self, value: Any, dest: int, tag: int) -> None:
-        self._box(self.rank, dest, tag).put(pickle.dumps(value))
-
-    def iprobe(self, source: int, tag: int) -> bool:
-        return not self._box(source, self.rank, tag).empty()
-
-    def recv(self, source: int, tag: int) -> Any:
-        return pickle.loads(self._box(source, self.rank, tag).get(timeout=20.0))
-
-    def allgather(self, value: Any) -> list[Any]:
-        self.slots[self.rank] = value
-        self.barrier.wait()
-        found = list(self.slots)
-        self.barrier.wait()
-        return found
-
-    def alltoall(self, values: list[Any]) -> list[Any]:
-        return [row[self.rank] for row in self.allgather(values)]
-
-    def bcast(self, value: Any) -> Any:
-        return self.allgather(value)[0]
-
-    def Allreduce(self, mine: np.ndarray, out: np.ndarray) -> None:
-        out[...] = np.sum(self.allgather(mine), axis=0)
-
-
-def played(size: int, work: Callable[[Team], Any]) -> list[Any]:
-    """What each of several threads gives, or its error."""
-    slots, barrier, found = [None] * size, threading.Barrier(size, timeout=20.0), [None] * size
-    mail: dict[Any, Any] = {}
-
-    def one(rank: int) -> None:
-        try:
-            found[rank] = work(Team(Threads(rank, slots, barrier, mail)))
-        except BaseException as error:
-            found[rank] = error
-
-    threads = [threading.Thread(target=one, args=(rank,), daemon=True) for rank in range(size)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(30.0)
-    return found
-
-
-def led(size: int, work: Callable[[Team], Any]) -> Any:
-    """What the first of several threads gives while the others do what it calls for."""
-
-    def one(team: Team) -> Any:
-        if team.rank:
-            return team.calls.follow()
-        team.calls.lead()
-        try:
-            return work(team)
-        finally:
-            team.calls.end(lambda rank: rank)
-
-    first, *others = played(size, one)
-    assert others == [("end", rank) for rank in range(1, size)]
-    return first
+from tests.distributed.threads import held, led, played
 
 
 def roof(order: int = 2) -> ks.Mesh:
@@ -157,20 +82,6 @@ def test_what_the_first_drops_the_others_drop() -> None:
 
 def kept_by_others(team: Team) -> float:
     return team.number(lambda: float(len(team.calls._objects)) if team.rank else 0.0)
-
-
-def test_who_is_let_go_runs_alongside() -> None:
-    def work(team: Team) -> Any:
-        if team.rank:
-            kind, content = team.calls.follow()
-            assert kind == "alongside"
-        else:
-            team.calls.lead()
-            team.calls.whole = content = "the mesh"
-            team.calls.alongside()
-        return content, team.number(lambda: 1.0)
-
-    assert played(3, work) == [("the mesh", 3.0)] * 3
 
 
 def test_others_go_on_after_an_error_that_all_have() -> None:
@@ -356,29 +267,6 @@ def test_entries_of_the_parts_add_up_in_the_new_numbers(half: bool) -> None:
     assert all(part.has_sorted_indices for _, part in found)
 
 
-def arrays_in(thing: Any, seen: set[int]) -> list[np.ndarray]:
-    """All arrays that an object holds, but for those of its team."""
-    if id(thing) in seen or isinstance(thing, Team | type | str):
-        return []
-    seen.add(id(thing))
-    if isinstance(thing, np.ndarray):
-        return [thing]
-    if isinstance(thing, list | tuple | dict):
-        inside = list(thing.values()) if isinstance(thing, dict) else list(thing)
-    else:
-        inside = list(getattr(thing, "__dict__", {}).values())
-    return [array for part in inside for array in arrays_in(part, seen)]
-
-
-def held(team: Team) -> float:
-    """Bytes of the arrays in what each process shares, of the one after the first that has most; of one its own."""
-    of = team.calls._objects.values()
-    seen: set[int] = set()
-    arrays = arrays_in([thing() if isinstance(thing, weakref.ref) else thing for thing in of], seen)
-    mine = float(sum({id(array): array.nbytes for array in arrays}.values()))
-    return team.largest(mine if team.rank or team.size == 1 else 0.0)
-
-
 def test_no_process_but_the_first_has_more_than_its_part() -> None:
     mesh = ks.geometry.Cylinder(1.0).mesh(10, 10, 2, ("a", "b", "c", "d"), (0.5, 1.4), (0.0, 1.0))
     section = Section.isotropic(1.0, 0.3, np.linspace(0.01, 0.02, len(mesh.triangles)))
@@ -413,7 +301,7 @@ def test_a_part_of_a_surface_is_as_in_the_whole(order: int) -> None:
     hinges = np.array([7, 12])
     whole = KoiterDiscretisation(roof(1 if order == 1 else 2), order, None, hinges).surface
     mine = np.array([3, 5, 16, 17, 18])
-    places = Places.of(whole, mine)
+    places = SurfacePlaces.of(whole, mine)
     part = PartSurface(SurfaceData.of(whole, places))
     np.testing.assert_array_equal(places.unknowns[part.triangle_unknowns], whole.triangle_unknowns[mine])
     np.testing.assert_array_equal(places.rotations[part.triangle_rotations], whole.triangle_rotations[mine])
@@ -487,18 +375,15 @@ def test_a_whole_analysis_finds_what_one_process_does(analysis: str, monkeypatch
     read: list[int] = []
 
     def work(team: Team) -> ks.Result:
-        def mesh() -> ks.Mesh:
+        def analysed() -> ks.Result:
             read.append(team.rank)
-            return one.read_mesh()
-
-        def analysed(mesh: Callable[[], ks.Mesh]) -> ks.Result:
-            structure = as_analysed(resolve(one, mesh()), choice, options)
+            structure = as_analysed(resolve(one, one.read_mesh()), choice, options)
             run = Run(one, structure, options, Clock(None))
             analyse = import_module(f"kshell.analysis.{analysis}").analyse
             result: ks.Result = analyse(model_of_team(team, structure, choice), run)
             return result
 
-        return answered(team, mesh, analysed)
+        return answered(team, analysed)
 
     first, other = played(2, work)
     assert read == [0]
@@ -520,10 +405,10 @@ def test_a_whole_analysis_finds_what_one_process_does(analysis: str, monkeypatch
 def test_an_error_of_the_first_reaches_the_others_with_its_last_state() -> None:
     alone = ks.solve(scene(), large_deflection=False)
 
-    def fails(mesh: Callable[[], ks.Mesh]) -> ks.Result:
+    def fails() -> ks.Result:
         raise ks.SolveError("no equilibrium", state=alone)
 
-    first, other = played(2, lambda team: answered(team, roof, fails))
+    first, other = played(2, lambda team: answered(team, fails))
     for error in (first, other):
         assert isinstance(error, ks.SolveError)
         assert str(error) == "no equilibrium"

@@ -21,7 +21,6 @@ import numpy as np
 import kshell as ks
 from kshell.analysis.model_choice import choose_model
 from kshell.analysis.models import model_of_team
-from kshell.distributed.calls import END
 from kshell.distributed.koiter import KoiterPiece
 from kshell.distributed.team import Team, world
 from kshell.plate.model import PlateModel
@@ -115,23 +114,19 @@ def main(cells: int, order: int, element: str) -> None:
     team = Counting(world().communicator)
     note(team, "imports")
     if team.rank:
-        kind, mesh = team.calls.follow()
-        if kind != END:
-            solved(team, mesh, order, element)
+        team.calls.follow()
         return
-    scene = square(cells, element) if element else roof(cells, order)
     team.calls.lead()
-    team.calls.whole = (scene.read_mesh(), scene)
     try:
-        solved(team, team.calls.whole, order, element)
+        solved(team, square(cells, element) if element else roof(cells, order), order, element)
     finally:
         team.calls.end(lambda rank: None)
 
 
-def solved(team: Team, whole: Any, order: int, element: str) -> None:
+def solved(team: Team, scene: ks.Scene, order: int, element: str) -> None:
     """Solve, and print what it took."""
     run = team.calls.run
-    mesh, scene = whole
+    mesh = scene.read_mesh()
     run(note, team, "mesh")
     structure = resolve(scene, mesh)
     model: Any = model_of_team(team, structure, choose_model(structure, scene.solve))
