@@ -17,7 +17,7 @@ from kshell.errors import InputError
 from kshell.result.pieces import old_pieces, piece_name, piece_of, pieces_index
 from kshell.result.result import Result
 from kshell.result.saving import Writer, cannot_be_written, unfinished, writers_of
-from kshell.result.vtu import head, unstructured
+from kshell.result.vtu import facts, unstructured
 from kshell.result.vtu_file import write_triangles
 
 
@@ -34,14 +34,16 @@ def save_pieces(
     place = Path(folder)
     names = [piece_name(rank) for rank in range(team.size)]
 
-    def parts() -> tuple[Any, Any, str]:
+    def parts() -> tuple[Any, Any, list[str]]:
         if team.rank:
-            return None, None, ""
-        return unstructured(result), partition(result.mesh, team.size), head(result)
+            return None, None, []
+        return unstructured(result), partition(result.mesh, team.size), facts(result)
 
     whole, part, words = team.together(parts)
     piece, words = team.deal(lambda rank: (piece_of(whole, part == rank), words))
-    writers: dict[str, Writer] = {names[team.rank]: lambda path: write_triangles(path, piece, words)}
+    writers: dict[str, Writer] = {
+        names[team.rank]: lambda path: write_triangles(path, piece, "; ".join(words), words)
+    }
 
     def more() -> dict[str, Writer]:
         if team.rank:

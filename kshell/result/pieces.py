@@ -50,7 +50,10 @@ def pieces_index(whole: Unstructured, names: Sequence[str]) -> str:
     def array(name: str, values: NDArray[Any]) -> str:
         kind = {"f": "Float", "i": "Int", "u": "UInt"}[values.dtype.kind] + str(8 * values.dtype.itemsize)
         width = 1 if values.ndim == 1 else values.shape[1]
-        return f'      <PDataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{width}"/>'
+        columns = whole.components.get(name, ())
+        named = enumerate(columns if len(columns) == width else ())
+        names = "".join(f" ComponentName{k}={quoteattr(column)}" for k, column in named)
+        return f'      <PDataArray type="{kind}" Name={quoteattr(name)} NumberOfComponents="{width}"{names}/>'
 
     return "\n".join(
         [

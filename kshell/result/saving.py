@@ -78,7 +78,7 @@ def _series(result: Result, collection: str, stem: str = "") -> dict[str, Writer
     names = [f"{stem}step-{number:04d}.vtu" for number in range(len(result.series))]
     text = _collection([(factor, name) for name, (factor, _) in zip(names, result.series, strict=True)])
     writers: dict[str, Writer] = {
-        name: lambda path, make=make, time=time: write_vtu(path, make(), time)  # type: ignore[misc]
+        name: lambda path, make=make, time=time: write_vtu(path, make(), time, whole=result)  # type: ignore[misc]
         for name, (time, make) in zip(names, result.series, strict=True)
     }
     writers[f"{stem}{collection}"] = lambda path: path.write_text(text, encoding="utf-8")

@@ -14,6 +14,7 @@ mean of the ends.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,6 +35,7 @@ Floats = NDArray[np.float64]
 
 GROUP, EDGES_OF = "group ", "edges of group "
 SPACE, PLANE = ("x", "y", "z"), ("xx", "yy", "xy")
+ENVELOPE = re.compile("^(min|max)_(case_)?")
 COLUMNS = {
     **dict.fromkeys(("displacement", "rotation", "frame_axis_1", "normal"), SPACE),
     **dict.fromkeys(
@@ -74,15 +76,27 @@ def head(result: Result, case: str = "") -> str:
     return "; ".join(facts(result, case))
 
 
-def write_vtu(path: Path, result: Result, time: float | None = None, case: str = "") -> None:
-    """Write the mesh, fields and groups of a result, of a state with its time or load factor.
+def write_vtu(
+    path: Path, result: Result, time: float | None = None, case: str = "", whole: Result | None = None
+) -> None:
+    """Write the mesh, fields and groups of a result.
+
+    Parameters
+    ----------
+    time : float, optional
+        Of a state its time or load factor.
+    case : str
+        What else than the name of its case the result is called.
+    whole : Result, optional
+        What a state is of, which knows the analysis and the model.
 
     Raises
     ------
     SolveError
         If a field has a value that is NaN or infinite.
     """
-    write_triangles(path, unstructured(result), head(result, case), facts(result, case), time)
+    of = result if whole is None else whole
+    write_triangles(path, unstructured(result), head(of, case), facts(of, case), time)
 
 
 def unstructured(result: Result) -> Unstructured:
@@ -123,8 +137,15 @@ def unstructured(result: Result) -> Unstructured:
         if group.dimension == 1:
             bits = np.isin(mesh.triangle_edges, group.members) @ np.array([1, 2, 4], dtype=np.int32)
             cell_data[f"{EDGES_OF}{name}"] = bits.astype(np.int32)
-    columns = {name: SPACE if name.startswith("mode_") else COLUMNS.get(name, ()) for name in point_data}
+    columns = {name: _columns(name) for name in {**point_data, **cell_data}}
     return Unstructured(points, cells, point_data, cell_data, columns)
+
+
+def _columns(name: str) -> tuple[str, ...]:
+    """Names of the columns of a field, or of its envelope."""
+    if name.startswith("mode_"):
+        return SPACE
+    return COLUMNS.get(ENVELOPE.sub("", name), ())
 
 
 def write_motion(path: Path, mesh: Mesh, displacement: Floats) -> None:

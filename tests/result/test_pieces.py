@@ -1,5 +1,6 @@
 """A result in pieces is the same as in one file."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +49,16 @@ def test_pieces_put_together_are_the_whole(result: ks.Result, tmp_path: Path, co
         np.testing.assert_array_equal(found.point_data[name], values)
     for name, values in whole.cell_data.items():
         np.testing.assert_array_equal(found.cell_data[name][0], values)
+
+
+def test_the_index_names_columns_as_the_pieces_do(result: ks.Result, tmp_path: Path) -> None:
+    index = in_pieces(result, tmp_path, 2).read_text()
+    piece = (tmp_path / piece_name(0)).read_text()
+    for name, columns in (("moment", "xx yy xy"), ("shear", "x y"), ("displacement", "x y z")):
+        if name in result.fields:
+            words = "".join(f' ComponentName{k}="{column}"' for k, column in enumerate(columns.split()))
+            for text in (index, piece):
+                assert re.search(f'Name="{name}" NumberOfComponents="\\d"{words}', text)
 
 
 def test_a_result_is_read_from_its_pieces(result: ks.Result, tmp_path: Path) -> None:

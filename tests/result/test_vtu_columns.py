@@ -44,6 +44,9 @@ def test_paraview_lists_what_a_file_is_of(tmp_path):
         large_deflection=False,
     )
     result.save(tmp_path)
+    envelope = (tmp_path / "envelope.vtu").read_text()
+    assert 'Name="max_moment" NumberOfComponents="3" ComponentName0="xx"' in envelope
+    assert 'Name="min_case_shear" NumberOfComponents="2" ComponentName0="x"' in envelope
     read = pyvista.read(tmp_path / "case-winter.vtu")
     assert {'title: A "plate" <with> ü & more', "case: winter", "units: N, mm"} <= set(read.field_data.keys())
     assert read.n_cells == len(mesh.triangles)
@@ -74,6 +77,8 @@ def test_states_in_one_file(tmp_path):
     np.testing.assert_array_equal(fields["displacement"], path.series[-1][1]().fields["displacement"])
     path.save(tmp_path / "each")
     step = sorted((tmp_path / "each").glob("step-*.vtu"))[-1]
-    assert meshio.read(step).field_data["TimeValue"].tolist() == [time]
+    facts = meshio.read(step).field_data
+    assert facts["TimeValue"].tolist() == [time]
+    assert {"analysis: path", f"model: shell koiter of order {path.model['order']}"} <= set(facts)
     with pytest.raises(ks.InputError, match="no states of a path or motion"):
         ks.solve(scene, large_deflection=False).save(tmp_path / "static", xdmf=True)
