@@ -65,7 +65,7 @@ def check_scene(scene: Scene, mesh: Mesh, cost: bool = False) -> Findings:
     if found.problems:
         return found
     try:
-        structure = resolve(scene, mesh, moving)
+        structure = resolve(scene, mesh, moving, scene.solve.looks)
         if moving:
             structure = structure.at_time(0.0)
         choice = choose_model(structure, scene.solve)

@@ -75,7 +75,7 @@ class Run:
         """The same run on another mesh with the same groups, as after refining, with a clock of its own."""
         return replace(
             self,
-            structure=resolve(self.scene, mesh, self.options.analysis == "dynamic"),
+            structure=resolve(self.scene, mesh, self.options.analysis == "dynamic", self.options.looks),
             clock=Clock(self.progress),
         )
 

@@ -256,7 +256,7 @@ def _analysed(
     if progress is not None:
         progress("read")
     begin = time.perf_counter()
-    structure = resolve(scene, read(), options.analysis == "dynamic")
+    structure = resolve(scene, read(), options.analysis == "dynamic", options.looks)
     clock = Clock(progress, time.perf_counter() - begin)
     run = Run(scene, structure, options, clock, progress, None if folder is None else Path(folder), resume)
     analyse = import_module(f"kshell.analysis.{_module(scene, options)}").analyse

@@ -7,7 +7,7 @@ does a rule that is fine beside the rim, where values just inside it are not wha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -80,14 +80,27 @@ def acts_nowhere(load: Load, space: Mesh, members: Ints, dimension: int) -> bool
     return True
 
 
-def rough_words(load: Load | Elastic, missed: float, dimension: int) -> str:
+def missed_on_the_way(states: Iterable[Load], space: Mesh, members: Ints) -> float:
+    """The share that is missed of a load on triangles at the worst of some times, of what acts when most of it does."""
+    missed = gross = 0.0
+    for load in states:
+        found = _Missed(load, space, members, space.points[space.triangles[members]])
+        largest = np.maximum(found.moments, 2.0 * np.sqrt((found.off**2).sum(axis=0)))
+        missed, gross = max(missed, float(largest.max())), max(gross, found.gross)
+    return missed / gross if missed > SMOOTH * gross else 0.0
+
+
+def rough_words(load: Load | Elastic, missed: float, dimension: int, moves: bool = False) -> str:
     """What a share that is missed of a load or a spring means, in words; nothing where that is little."""
     if missed < ROUGH:
         return ""
     inside = "triangles" if dimension == 2 else "edges"
+    mend = "let edges of the mesh follow its jumps, or make triangles smaller there"
+    if moves:
+        mend = "make triangles smaller on its way, or let its rim move from edges of the mesh to edges in every step"
     return (
         f"{load} changes faster inside {inside} than it is integrated: about {float(f'{100 * missed:.1g}'):g} % of it "
-        "are missed or added; let edges of the mesh follow its jumps, or make triangles smaller there"
+        f"are missed or added; {mend}"
     )
 
 

@@ -15,6 +15,7 @@ from kshell.values.validation import Number, described
 
 # change of the displacements from which large deflections matter
 TOLERANCE = 0.01
+LOOKS = 16  # at about so many times loads that move are looked at
 
 
 def _large(value: Any) -> Any:
@@ -332,3 +333,13 @@ class SolveOptions:
             If an option does not exist or has a value that does not.
         """
         return SolveOptions(**{f.name: getattr(self, f.name) for f in fields(self)} | changes)
+
+    @property
+    def looks(self) -> tuple[float, ...]:
+        """Times of a motion at which loads that move are looked at, the start first; steps where these are given."""
+        if self.analysis != "dynamic" or self.time is None:
+            return (0.0,)
+        end = float(self.time)
+        steps = LOOKS if isinstance(self.step, str) else max(round(end / self.step), 1)
+        size = end / steps if isinstance(self.step, str) else self.step
+        return tuple(k * size for k in range(0, steps + 1, max(1, steps // LOOKS)))

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, WithJsonSchema
 
 from kshell.errors import InputError
 from kshell.scene.load import Load, Name
-from kshell.scene.places import On, ScalarValue, VectorValue
+from kshell.scene.places import CentreValue, On, ScalarValue
 from kshell.values import kinds
 from kshell.values.time import depends_on_time
 from kshell.values.validation import Flag, Number, described
@@ -162,8 +162,8 @@ class Disc(Patch):
     ----------
     pressure : scalar [force / length^2]
         Along the normal; against it where negative.
-    centre : vector [length]
-        Numbers, or in a motion expressions in t.
+    centre : point [length]
+        Numbers, or in a motion expressions in t; z = 0 where it is left out.
     radius : number [length]
         Not less than the distance of neighbouring vertices.
     follower : bool
@@ -187,7 +187,7 @@ class Disc(Patch):
     placing: ClassVar[tuple[str, ...]] = ("centre",)
     extent: ClassVar[tuple[str, ...]] = ("radius",)
     pressure: ScalarValue
-    centre: VectorValue
+    centre: CentreValue
     radius: Length
     on: On | None = None
     fixed: Flag = False
@@ -218,8 +218,8 @@ class Rectangle(Patch):
     ----------
     pressure : scalar [force / length^2]
         Along the normal; against it where negative.
-    centre : vector [length]
-        Numbers, or in a motion expressions in t; its z does not matter.
+    centre : point [length]
+        Numbers, or in a motion expressions in t; its z does not matter, and may be left out.
     size : list of 2 numbers [length]
         Of its sides a along x and b along y, before it is turned.
     angle : number [degrees]
@@ -233,7 +233,7 @@ class Rectangle(Patch):
     [[load]]
     kind = "rectangle"
     pressure = -2000
-    centre = [0.6, 0.5, 0]
+    centre = [0.6, 0.5]
     size = [0.4, 0.3]
     angle = 30
     ```
@@ -244,7 +244,7 @@ class Rectangle(Patch):
     placing: ClassVar[tuple[str, ...]] = ("centre",)
     extent: ClassVar[tuple[str, ...]] = ("size", "angle")
     pressure: ScalarValue
-    centre: VectorValue
+    centre: CentreValue
     size: Sides
     angle: Number = 0.0
     on: On | None = None
@@ -275,7 +275,7 @@ class Rectangle(Patch):
 def _require_place(load: Any) -> None:
     """A centre is one place: numbers, or formulas in t alone."""
     if callable(load.centre):
-        raise InputError(f"{load}: centre must be three numbers, or expressions in t")
+        raise InputError(f"{load}: centre must be two or three numbers, or expressions in t")
     for part in load.centre:
         if isinstance(part, str) and not depends_on_time(part):
             try:

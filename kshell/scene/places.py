@@ -147,6 +147,15 @@ On = Annotated[Any, BeforeValidator(_as_place), WithJsonSchema(kinds.PLACE)]
 ScalarValue = Annotated[Any, BeforeValidator(as_scalar), WithJsonSchema(kinds.SCALAR)]
 """A number, an expression in x, y, z, or a function."""
 
+
+def _as_centre(value: Any) -> Any:
+    """A place, numbers or formulas; z = 0 where it is left out."""
+    if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) and len(value) == 2:
+        value = [*value, 0.0]
+    return _as_vector(value)
+
+
+CentreValue = Annotated[Any, BeforeValidator(_as_centre), WithJsonSchema(kinds.CENTRE)]
 VectorValue = Annotated[Any, BeforeValidator(_as_vector), WithJsonSchema(kinds.VECTOR)]
 """Three numbers or expressions, or a function that returns three components."""
 

@@ -20,18 +20,20 @@ from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import select
 from kshell.scene.exact_supports import Elastic
 from kshell.scene.imperfection import Imperfection
-from kshell.scene.jumps import acts_nowhere, missed_forces, rough_words
+from kshell.scene.jumps import acts_nowhere, missed_forces, missed_on_the_way, rough_words
 from kshell.scene.loads import Load, Pressure, Temperature
 from kshell.scene.mapped import Mapped, keep_resultant
 from kshell.scene.masses import Mass
 from kshell.scene.on_chart import mesh_in_space
 from kshell.scene.placed import Placed
+from kshell.scene.placed_pressures import Patch
 from kshell.scene.places import Point, ProbePoint
 from kshell.scene.placing import links_by_name, placed_load, placed_masses, placed_supports
 from kshell.scene.scene import Scene
 from kshell.scene.sense import contradictions, lost_into_supports
 from kshell.scene.supports import Support
 from kshell.scene.thermal import require_expansions
+from kshell.values.time import depends_on_time
 
 Floats = NDArray[np.float64]
 
@@ -121,13 +123,15 @@ class Structure:
         )
 
 
-def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
+def resolve(scene: Scene, mesh: Mesh, moving: bool = False, looks: Sequence[float] = (0.0,)) -> Structure:
     """Find what a scene means on its mesh, as read.
 
     Parameters
     ----------
     moving : bool
         Whether values may depend on the time t; they are then looked at as they are at t = 0.
+    looks : sequence of float
+        Times at which loads that move are looked at.
 
     Raises
     ------
@@ -149,7 +153,7 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False) -> Structure:
     for name, point in scene.probes.items():
         if isinstance(point, ProbePoint):
             select(space, point.on, dimensions=(2,), what=f'probe "{name}"')
-    loads = tuple(_warned(placed, supports, space, moving) for placed in loads)
+    loads = tuple(_warned(placed, supports, space, moving, looks) for placed in loads)
     supports = tuple(_spring(placed, space, moving) for placed in supports)
     section = shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
     for placed in loads:
@@ -188,11 +192,16 @@ def _from_files(loads: Iterable[Placed[Load]], space: Mesh) -> tuple[tuple[Place
 
 
 def _warned(
-    load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, moving: bool
+    load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, moving: bool, looks: Sequence[float]
 ) -> Placed[Load]:
     """A load, with a warning where it goes into supports that hold it, or changes fast inside triangles."""
     now = load.at_time(0.0) if moving else load
-    missed, rough = _missed(now, space)
+    if moving and isinstance(load.item, Patch) and depends_on_time(load.item.centre):
+        states = (load.at_time(time).item for time in looks)
+        missed = missed_on_the_way(states, space, now.members(space))
+        rough = rough_words(load.item, missed, 2, moves=True)
+    else:
+        missed, rough = _missed(now, space)
     if not moving and not missed and acts_nowhere(now.item, space, now.members(space), _dimension(now)):
         rough = f"{now.item} is zero wherever it is integrated: nothing comes of it"
     words = "; ".join(part for part in (lost_into_supports(now, supports, space), rough) if part)

@@ -55,6 +55,7 @@ FROM_FILE: Schema = {
 SCALAR = either(NUMBER, EXPRESSION)
 SCALAR_OR_FILE = either(NUMBER, EXPRESSION, FROM_FILE)
 VECTOR = listed(SCALAR, 3, 3)
+CENTRE = listed(SCALAR, 2, 3)
 POINT = listed(NUMBER, 2, 3)
 DIRECTION = listed(NUMBER, 2, 3)
 GROUPS = either(GROUP, listed(GROUP))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from kshell.errors import InputError
-from kshell.values.expression import NORMAL
+from kshell.values.expression import NORMAL, PLACE, Expression
 
 TIME = "t"
 NO_TIME = (
@@ -40,7 +40,7 @@ def _names_in(text: str) -> frozenset[str]:
 
 
 def at_time(value: Any, time: float) -> Any:
-    """The value at one time: in formulas the number stands for t.
+    """The value at one time: in formulas the number stands for t; formulas of t alone become numbers.
 
     Parameters
     ----------
@@ -51,7 +51,12 @@ def at_time(value: Any, time: float) -> Any:
         return tuple(at_time(part, time) for part in value)
     if not depends_on_time(value):
         return value
-    return ast.unparse(_AtTime(time).visit(_tree(value)))
+    text = ast.unparse(_AtTime(time).visit(_tree(value)))
+    if _names_in(text).isdisjoint((*PLACE, *NORMAL)):
+        number = float(Expression(text, ())())
+        if np.isfinite(number):
+            return number
+    return text
 
 
 def _tree(text: str) -> ast.expr:

@@ -75,7 +75,10 @@ def test_a_scene_file_keeps_them():
         (lambda: ks.Disc(pressure=1, centre=("x", 0, 0), radius=1), "not in x, y, z"),
         (lambda: ks.Disc(pressure=1, centre=(0, 0, 0), radius=0), "positive number"),
         (lambda: ks.Rectangle(pressure=1, centre=(0, 0, 0), size=(1, -1)), "positive number"),
-        (lambda: ks.Rectangle(pressure=1, centre=lambda x, y, z: (x, y, z), size=(1, 1)), "three numbers"),
+        (
+            lambda: ks.Rectangle(pressure=1, centre=lambda x, y, z: (x, y, z), size=(1, 1)),
+            "two or three numbers",
+        ),
         (
             lambda: ks.solve(scene(ks.Disc(pressure=1, centre=(0.5, 0.53, 0), radius=0.03), 8)),
             "cannot tell where it presses",
@@ -102,3 +105,49 @@ def test_only_loads_that_act_nowhere_are_told():
     passing = ks.Disc(pressure=1.0, centre=("t - 3", 0.5, 0), radius=0.3)
     moving = resolve(scene(passing, 4), rectangle(4), True)
     assert not any("zero wherever" in placed.warning for placed in moving.loads)
+
+
+def rolling(speed="8*t"):
+    """A wheel of 2 kN on a deck in squares of 0.05."""
+    return ks.Scene.load("meshes/bridge_wheel.toml", [f'load.0.centre=["{speed} - 0.1", 0.25]'])
+
+
+def missed_of(scene):
+    (placed,) = resolve(scene, scene.read_mesh(), True, scene.solve.looks).loads
+    return placed
+
+
+def test_a_wheel_that_moves_from_edges_to_edges_is_exact():
+    assert missed_of(rolling()).missed == 0.0
+    assert missed_of(rolling()).warning == ""
+
+
+def test_a_wheel_that_stops_inside_triangles_is_told_though_it_is_beside_the_deck_at_first():
+    placed = missed_of(rolling("7*t"))
+    assert 0.003 < placed.missed < 0.2
+    assert "on its way" in placed.warning
+    assert "follow its jumps" not in placed.warning
+    assert '"7*t - 0.1", 0.25, 0' in placed.warning  # as it was given
+
+
+def test_the_whole_wheel_presses_at_every_step():
+    scene = rolling()
+    (placed,) = resolve(scene, scene.read_mesh(), True).loads
+    mesh = scene.read_mesh()
+    for k in range(4, 41, 4):  # all of it on the deck
+        load = placed.at_time(k * 0.00625).item
+        assert load.centre == pytest.approx((8 * k * 0.00625 - 0.1, 0.25, 0.0))
+        corners = mesh.points[mesh.triangles]
+        pressed = load.at(corners.mean(axis=1))
+        area = 0.5 * np.linalg.norm(
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        )
+        assert pressed @ area == pytest.approx(-2000.0, rel=1e-9)
+
+
+def test_a_centre_of_two_numbers_lies_at_z_0():
+    for kind, extent in ((ks.Disc, {"radius": 0.2}), (ks.Rectangle, {"size": (0.4, 0.3)})):
+        two, three = (kind(pressure=2.0, centre=at, **extent) for at in ((0.4, 0.45), (0.4, 0.45, 0)))
+        assert two == three
+    with pytest.raises(InputError, match="vector of three"):
+        ks.Disc(pressure=2.0, centre=(0.4,), radius=0.2)
