@@ -8,7 +8,9 @@ much lies in the strip.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,6 +105,41 @@ def just_inside(k: int) -> tuple[Floats, Floats]:
         edge = np.stack([np.full_like(s, NEAR), (1.0 - NEAR) * (1.0 - s), (1.0 - NEAR) * s], axis=1)
         places = np.concatenate([np.roll(edge, turn, axis=1) for turn in range(3)])
     return places, _powers(places) @ np.linalg.pinv(_powers(rules(k)[0][0]))
+
+
+@dataclass(frozen=True)
+class Look:
+    """Places where a load is asked for at once.
+
+    Attributes
+    ----------
+    places : (q, k) array
+        Barycentric coordinates.
+    shares : (q,) array
+        Weights; zero where they are not those of a rule.
+    slices : list of slice
+        Of each rule.
+    """
+
+    places: Floats
+    shares: Floats
+    slices: list[slice]
+
+
+@lru_cache(maxsize=2)
+def looks(k: int) -> tuple[Look, Look]:
+    """The first rule of the elements, that of its parts, the rim; then two fine rules, and those of all elements."""
+    whole, parts, quarters = rules(k)
+    rim = just_inside(k)[0]
+    return _look([whole, parts, (rim, np.zeros(len(rim)))]), _look(
+        [quarters, layered(k), *rules_of_elements(k)]
+    )
+
+
+def _look(rules: list[Rule]) -> Look:
+    ends = np.cumsum([0, *(len(shares) for _, shares in rules)]).tolist()
+    places, shares = (np.concatenate(parts) for parts in zip(*rules, strict=True))
+    return Look(places, shares, [slice(a, b) for a, b in pairwise(ends)])
 
 
 def _powers(places: Floats) -> Floats:

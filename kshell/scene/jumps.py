@@ -7,7 +7,7 @@ does a rule that is fine beside the rim, where values just inside it are not wha
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.scene.exact_supports import Elastic
-from kshell.scene.jump_rules import Rule, just_inside, layered, rules, rules_of_elements
+from kshell.scene.jump_rules import just_inside, looks
 from kshell.scene.load import Load
 from kshell.scene.loads import InitialCurvature, InitialStrain, Temperature
 from kshell.scene.normals import beside
@@ -120,64 +120,45 @@ class _Missed:
     def __init__(self, load: Load | Elastic, space: Mesh, members: Ints, corners: Floats) -> None:
         self.load, self.space = load, space
         k = self.k = corners.shape[1]
-        coarse, parts, finest = rules(k)
-        self.centre, self.size = corners.mean(axis=(0, 1)), float(np.ptp(corners, axis=(0, 1)).max())
-        taken = rules_of_elements(k)
+        first, second = looks(k)
+        whole, parts, rim = first.slices
+        finest, layers, *taken = second.slices
+        centre, size = corners.mean(axis=(0, 1)), float(np.ptp(corners, axis=(0, 1)).max())
         moments: list[Any] = [np.zeros(1)] * len(taken)
         self.gross, off = 0.0, []
         for begin in range(0, len(corners), MOST):
             chosen, some = members[begin : begin + MOST], corners[begin : begin + MOST]
-            sizes = _sizes(some)
-            one, _ = self._forces(chosen, some, sizes, coarse)
-            two, gross = self._forces(chosen, some, sizes, parts)
-            difference = two.sum(axis=1) - one.sum(axis=1)
-            least = SMOOTH * gross.max(initial=0.0)
-            rough = np.linalg.norm(difference, axis=1) > least
-            rough |= self._stands_out(
-                chosen, some, one / (sizes[:, None] * coarse[1])[..., None], gross / sizes
-            )
+            sizes = (space.areas if k == 3 else space.edge_lengths)[chosen]
+            values = self._values(chosen, first.places @ some)
+            force = values * (sizes[:, None] * first.shares)[..., None]
+            one, gross = force[:, whole].sum(axis=1), _gross(force[:, parts])
+            missed = _lengths(force[:, parts].sum(axis=1) - one)
+            rough = missed > SMOOTH * gross.max(initial=0.0)
+            continued = just_inside(k)[1] @ values[:, whole]
+            beside_rim = _lengths(values[:, rim] - continued).max(axis=1)
+            rough |= beside_rim > STANDS_OUT * (gross / sizes).mean()
             self.gross += float(gross.sum())
-            each = np.repeat(np.linalg.norm(difference, axis=1)[:, None], len(taken), axis=1)
+            each = np.repeat(missed[:, None], len(taken), axis=1)
             here = np.flatnonzero(rough)
-            for part in np.array_split(here, 1 + len(here) * len(parts[1]) // (MOST * len(coarse[1]))):
-                where = chosen[part], some[part], sizes[part]
-                found, its = self._best(one[part].sum(axis=1), [finest, layered(k)], *where)
+            for part in np.array_split(here, 1 + len(here) * len(second.shares) // (MOST * FEW)):
+                at = second.places @ some[part]
+                force = self._values(chosen[part], at) * (sizes[part, None] * second.shares)[..., None]
+                arm = np.concatenate([np.ones((*at.shape[:2], 1)), (at - centre) / size], axis=2).swapaxes(
+                    1, 2
+                )
+                # of two rules that are fine, the one that is farther off
+                both = [arm[..., rule] @ force[:, rule] for rule in (finest, layers)]
+                farther = _lengths(both[1][:, 0] - one[part]) > _lengths(both[0][:, 0] - one[part])
+                found = np.where(farther[:, None, None], both[1], both[0])
+                its = np.where(farther, _gross(force[:, layers]), _gross(force[:, finest]))
                 self.gross += float((its - gross[part]).sum())
                 for number, rule in enumerate(taken):
-                    missed = found - self._moments(rule, *where)[0]
-                    each[part, number] = np.linalg.norm(missed[:, 0], axis=1)
-                    moments[number] = moments[number] + missed.sum(axis=0)
+                    left = found - arm[..., rule] @ force[:, rule]
+                    each[part, number] = _lengths(left[:, 0])
+                    moments[number] = moments[number] + left.sum(axis=0)
             off.append(each)
         self.moments = np.array([float(np.abs(of).max()) for of in moments])
         self.off: Floats = np.concatenate(off) if off else np.zeros((0, len(taken)))
-
-    def _stands_out(self, members: Ints, corners: Floats, inside: Floats, mean: Floats) -> NDArray[np.bool_]:
-        """(n,) whether values just inside the rim are not those that the values inside are continued by."""
-        places, continued = just_inside(self.k)
-        beside_rim = self._values(members, np.einsum("qb,nbi->nqi", places, corners))
-        off = np.linalg.norm(beside_rim - np.einsum("pq,nqc->npc", continued, inside), axis=2).max(axis=1)
-        return np.asarray(off > STANDS_OUT * mean.mean())
-
-    def _best(self, one: Floats, fine: Sequence[Rule], *where: Any) -> tuple[Floats, Floats]:
-        """Of the moments by some rules, and their gross, those that are farthest off forces (n, component)."""
-        found = [self._moments(rule, *where) for rule in fine]
-        best = np.argmax([np.linalg.norm(m[:, 0] - one, axis=1) for m, _ in found], axis=0)
-        every = np.arange(len(one))
-        return np.stack([m for m, _ in found])[best, every], np.stack([g for _, g in found])[best, every]
-
-    def _moments(self, rule: Rule, members: Ints, corners: Floats, sizes: Floats) -> tuple[Floats, Floats]:
-        """(n, 1 + 3, component) forces and their moments over the size of the place, and the gross (n,)."""
-        force, gross = self._forces(members, corners, sizes, rule)
-        at = (np.einsum("qb,nbi->nqi", rule[0], corners) - self.centre) / self.size
-        arm = np.concatenate([np.ones((*at.shape[:2], 1)), at], axis=2)
-        return np.asarray(np.einsum("nqc,nqm->nmc", force, arm)), gross
-
-    def _forces(self, members: Ints, corners: Floats, sizes: Floats, rule: Rule) -> tuple[Floats, Floats]:
-        """(n, point, component) forces of points, and (n,) integrals of their sizes."""
-        places, shares = rule
-        at = np.einsum("qb,nbi->nqi", places, corners)
-        force = self._values(members, at) * (sizes[:, None] * shares)[..., None]
-        return force, np.linalg.norm(force, axis=2).sum(axis=1)
 
     def _values(self, members: Ints, points: Floats) -> Floats:
         """(n, point, component)."""
@@ -191,9 +172,11 @@ class _Missed:
         return np.asarray(values if values.ndim == 3 else values[..., None])
 
 
-def _sizes(corners: Floats) -> Floats:
-    """(n,) areas of triangles, or lengths of edges."""
-    a = corners[:, 1] - corners[:, 0]
-    if corners.shape[1] == 2:
-        return np.asarray(np.linalg.norm(a, axis=1))
-    return np.asarray(0.5 * np.linalg.norm(np.cross(a, corners[:, 2] - corners[:, 0]), axis=1))
+def _lengths(vectors: Floats) -> Floats:
+    """(...) lengths of vectors (..., component)."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
+
+
+def _gross(force: Floats) -> Floats:
+    """(n,) integrals of the sizes of forces (n, point, component)."""
+    return np.asarray(_lengths(force).sum(axis=1))
