@@ -7,6 +7,8 @@ no table of monomial coefficients, whose condition grows tenfold per degree, is 
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,16 +64,27 @@ def jacobi_family(degree: int, x: Floats) -> Floats:
     Those with n + i beyond the degree are not to be used. Source: as of `jacobi_jets`.
     """
     out = np.ones((degree + 1, degree + 1, len(x)))
+    for n, (slope, shift, back) in enumerate(_family(degree), start=1):
+        m = len(slope)
+        out[n, :m] = (slope * x + shift) * out[n - 1, :m]
+        if back is not None:
+            out[n, :m] -= back * out[n - 2, :m]
+    return out
+
+
+@lru_cache(maxsize=32)
+def _family(degree: int) -> list[tuple[Floats, Floats, Floats | None]]:
+    """Coefficients (i, 1) of the recurrences of `jacobi_family`, n = 1 ... degree."""
+    if degree == 0:
+        return []
     a = 2.0 * np.arange(degree + 1)[:, None] + 1.0
-    if degree > 0:
-        out[1] = 0.5 * (a + 2.0) * x + 0.5 * a
+    out: list[tuple[Floats, Floats, Floats | None]] = [(0.5 * (a + 2.0), 0.5 * a, None)]
     for n in range(2, degree + 1):
         a = a[: degree + 1 - n]
         c = 2 * n + a
         scale = 2 * n * (n + a) * (c - 2)
         slope, shift = (c - 1) * c * (c - 2) / scale, (c - 1) * a * a / scale
-        back = 2 * (n + a - 1) * (n - 1) * c / scale
-        out[n, : len(a)] = (slope * x + shift) * out[n - 1, : len(a)] - back * out[n - 2, : len(a)]
+        out.append((slope, shift, 2 * (n + a - 1) * (n - 1) * c / scale))
     return out
 
 

@@ -13,4 +13,4 @@ def distinct(count: int, *parts: NDArray[np.integer]) -> Ints:
     marked = np.zeros(count, dtype=bool)
     for numbers in parts:
         marked[numbers] = True
-    return np.flatnonzero(marked)
+    return marked.nonzero()[0]

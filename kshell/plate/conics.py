@@ -43,6 +43,11 @@ class Arc:
     theta: Floats
     map: Floats
 
+    @property
+    def circular(self) -> bool:
+        """Whether it is of a circle."""
+        return bool((self.map == np.eye(2)).all())
+
     def derivatives(self, chord: Floats) -> Floats:
         """(edge, end, first or second by s, 2) derivatives of the arcs by s in [0, 1], of chords (edge, 2)."""
         theta = self.theta

@@ -50,6 +50,8 @@ def corner_angles(mesh: Mesh, shape: EdgeCurves | None = None) -> dict[int, floa
 
 def infinite_moments(mesh: Mesh, supports: Supports, angles: Mapping[int, float]) -> dict[int, str]:
     """Corners where moments grow without bound as the mesh is refined, with their kind, from the `corner_angles`."""
+    if max(angles.values(), default=0.0) <= OBTUSE:
+        return {}
     held = np.zeros(len(mesh.edges), dtype=bool)
     clamped = np.zeros(len(mesh.edges), dtype=bool)
     for group in supports.held:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from kshell.mesh.distinct import distinct
 from kshell.mesh.higher import nodes_along, order_of
 from kshell.mesh.mesh import Mesh
-from kshell.plate.chains import STRAIGHT, breaks, chained, is_straight, polygon
-from kshell.plate.conics import COEFFICIENTS, FEWEST_ALONE, FEWEST_AT_JOINTS, arc_of
+from kshell.plate.chains import SHARPEST_SMOOTH_TURN, STRAIGHT, breaks, chained, is_straight, polygon
+from kshell.plate.conics import COEFFICIENTS, FEWEST_ALONE, FEWEST_AT_JOINTS, Arc, arc_of
 from kshell.plate.curves import EdgeCurves
 from kshell.plate.joints import beside, tangent_joints
 from kshell.plate.smooth import smooth_shapes
@@ -30,6 +30,7 @@ Ints = NDArray[np.int32]
 FEWEST = 4  # coefficients of phi
 # from coefficients of a polynomial of s to those of the same one of 1 - s
 BACKWARDS = np.array([[(-1.0) ** j * comb(k, j) for k in range(COEFFICIENTS)] for j in range(COEFFICIENTS)])
+EVEN = 1.5  # ratio of lengths of chords up to which a closed line on a circle has no corners
 KEPT = 8  # sets of edges of a mesh whose shapes are kept
 ROUNDING = 8.0 * float(np.finfo(float).eps)  # of coordinates: what cannot be told from a straight line
 
@@ -99,6 +100,14 @@ def _fit_line(
     if directions is not None:
         out.tangent[line] = np.where(forward, 1.0, -1.0)[:, None, None] * directions[:, None]
         return 0.0, origin
+    all_round = _circle(nodes, step, rounding) if closed else None
+    if all_round is not None:
+        known, turns = all_round
+        chord, none = np.diff(nodes[::step], axis=0), np.zeros(len(line), dtype=bool)
+        found = known.derivatives(chord), known.shapes(chord), none, ~none
+        _store(out, line, forward, nodes[::step], found, none, closed)
+        worst = int(np.argmax(turns))
+        return float(turns[worst]), nodes[worst * step] + origin
     corner, jump, turn = breaks(nodes, step, closed, rounding)
     joint = tangent_joints(nodes, step, closed, rounding)
     if joint.any():  # known to rounding: what was seen around it was the same jump
@@ -139,6 +148,21 @@ def _fit_line(
     bends = jump[::step] & ~corner[::step]
     _store(out, line, forward, nodes[::step], (derivatives, shape, straight, arc), bends, closed)
     return float(smooth[worst]), nodes[worst * step] + origin
+
+
+def _circle(nodes: Floats, step: int, rounding: float) -> tuple[Arc, Floats] | None:
+    """The circle that a closed line of nodes is, and how it turns at vertices; None where it may have corners."""
+    chord = np.diff(nodes, axis=0)
+    z = chord[:, 0] + 1j * chord[:, 1]
+    length = np.abs(z)
+    turn = np.angle(z * z[np.arange(len(z)) - 1].conj())
+    if length.max() > EVEN * length.min() or turn.min() * turn.max() <= 0.0:
+        return None
+    turn = np.abs(turn)
+    if turn.max() > SHARPEST_SMOOTH_TURN:
+        return None
+    found = arc_of(nodes, step, rounding)
+    return None if found is None or not found.circular else (found, turn[::step])
 
 
 def _join(
