@@ -77,6 +77,9 @@ def _normals(corners: Floats) -> Floats:
 def _moved_too_far(moved: Floats, structure: Structure) -> list[str]:
     """Of small deflections larger than the structure."""
     size = structure.space.size
+    # no vector less the mean is longer than 2 root 3 times the largest component
+    if np.abs(moved).max() <= 0.25 * ABSURD * size:
+        return []
     # what the structure moves as a whole is no deflection
     largest = float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max())
     if not largest > ABSURD * size:

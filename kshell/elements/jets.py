@@ -77,7 +77,7 @@ def _family(degree: int) -> list[tuple[Floats, Floats, Floats | None]]:
     """Coefficients (i, 1) of the recurrences of `jacobi_family`, n = 1 ... degree."""
     if degree == 0:
         return []
-    a = 2.0 * np.arange(degree + 1)[:, None] + 1.0
+    a: Floats = 2.0 * np.arange(degree + 1.0)[:, None] + 1.0
     out: list[tuple[Floats, Floats, Floats | None]] = [(0.5 * (a + 2.0), 0.5 * a, None)]
     for n in range(2, degree + 1):
         a = a[: degree + 1 - n]

@@ -13,7 +13,7 @@ sigma       stress at height z: -z Q w''
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -36,6 +36,8 @@ Ints = NDArray[np.integer]
 # smallest over largest eigenvalue of a stiffness that can still be inverted with a digit left
 SOFTEST = 1e-14
 BOTTOM, MIDDLE, TOP = -1, 0, 1
+# makes the norm of (w_xx, w_yy, 2 w_xy) that of the tensor
+SHEAR = np.outer([1.0, 1.0, np.sqrt(2.0)], [1.0, 1.0, np.sqrt(2.0)])
 
 
 class Section:
@@ -232,10 +234,9 @@ class Section:
     @property
     def stiffness_ratio(self) -> float:
         """The stiffest bending over the softest one; 2 / (1 + nu) of an isotropic plate with nu near -1."""
-        shear = np.diag([1.0, 1.0, np.sqrt(2.0)])  # makes the norm of (w_xx, w_yy, 2 w_xy) that of the tensor
         ratios = []
         for part in self.parts:
-            value = np.linalg.eigvalsh(shear @ part.laws[-1] @ shear)
+            value = _eigenvalues((SHEAR * part.laws[-1]).tobytes())
             ratios.append(float(value[-1] / value[0]) if value[0] > 0.0 else np.inf)
         return max(ratios)
 
@@ -274,7 +275,7 @@ class Section:
     def _require_regular(self) -> None:
         """Refuse elastic constants whose softest part is lost in the rounding of the stiffest."""
         for law in (law for part in self.parts for law in part.laws):
-            value = np.linalg.eigvalsh(law) if np.isfinite(law).all() else np.full(3, np.nan)
+            value = _eigenvalues(np.ascontiguousarray(law, dtype=float).tobytes())
             if not value[0] > value[-1] * SOFTEST:
                 raise InputError(
                     f"material: the stiffness in the plane is between {value[0]:.3g} and {value[-1]:.3g}, and double "
@@ -292,6 +293,13 @@ class Section:
         ):  # the same everywhere: looked at in the first of its triangles
             first = int(np.argmax(self._part == number)) if len(self.parts) > 1 else 0
             self._thickness(part, self._mesh.points[self._mesh.triangles[first]].mean(axis=0)[None, None])
+
+
+@lru_cache(maxsize=256)
+def _eigenvalues(law: bytes) -> Floats:
+    """Of a symmetric (3, 3) array, ascending: finer meshes and further points of a sweep ask for those of the same."""
+    matrix = np.frombuffer(law).reshape(3, 3)
+    return np.asarray(np.linalg.eigvalsh(matrix) if np.isfinite(matrix).all() else np.full(3, np.nan))
 
 
 def plate_section(

@@ -100,7 +100,7 @@ def areas(points: Floats, triangles: Ints, source: str) -> None:
     """Raise where a triangle has no area."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     u, v = (b - a).T, (c - a).T
-    longest = np.max([(u * u).sum(axis=0), (v * v).sum(axis=0), ((u - v) ** 2).sum(axis=0)], axis=0)
+    longest = np.maximum(np.maximum((u * u).sum(axis=0), (v * v).sum(axis=0)), ((u - v) ** 2).sum(axis=0))
     twice_area = np.sqrt(
         (u[1] * v[2] - u[2] * v[1]) ** 2 + (u[2] * v[0] - u[0] * v[2]) ** 2 + (u[0] * v[1] - u[1] * v[0]) ** 2
     )

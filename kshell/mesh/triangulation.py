@@ -129,7 +129,14 @@ class Triangulation:
     def _edge_table(self) -> tuple[Ints, Ints]:
         n = len(self.points)
         ends = np.sort(self.triangles[:, EDGE_VERTICES], axis=2).astype(np.int64)  # (triangle, edge, 2)
-        key, inverse = np.unique((ends[..., 0] * n + ends[..., 1]).ravel(), return_inverse=True)
+        every = (ends[..., 0] * n + ends[..., 1]).ravel()
+        order = np.argsort(every)
+        rising = every[order]
+        first = np.ones(len(every), dtype=bool)
+        np.not_equal(rising[1:], rising[:-1], out=first[1:])
+        inverse = np.empty(len(every), dtype=np.int64)
+        inverse[order] = np.cumsum(first) - 1
+        key = rising[first]
         edges = np.stack([key // n, key % n], axis=1).astype(np.int32)
         return edges, inverse.reshape(-1, 3).astype(np.int32)
 

@@ -38,6 +38,8 @@ def corner_angles(mesh: Mesh, shape: EdgeCurves | None = None) -> dict[int, floa
         for end, v in enumerate(pair):
             tangents.setdefault(v, []).append(curves.tangent[k, end])
     corners = {v for v, t in tangents.items() if len(t) == 2 and abs(float(t[0] @ t[1])) < SMOOTH}
+    if not corners:
+        return {}
     at_corner = np.zeros(len(mesh.points), dtype=bool)
     at_corner[np.array(sorted(corners), dtype=np.int64)] = True
     triangle, local = np.nonzero(at_corner[mesh.triangles])

@@ -86,7 +86,8 @@ class EdgeHolder:
         place_in = curves.place(edges)
         for end in range(2):
             t = curves.tangent[place_in, end]
-            directions = [t] * holds_w + [np.stack([t[:, 1], -t[:, 0]], axis=1)] * holds_r
+            directions = [t] if holds_w else []
+            directions += [np.stack([t[:, 1], -t[:, 0]], axis=1)] if holds_r else []
             for direction in directions:
                 self.conditions.slope_vertices.append(ends[:, end].astype(np.int64))
                 self.conditions.slopes.append(direction)

@@ -102,9 +102,9 @@ def _fit_line(
         return 0.0, origin
     all_round = _circle(nodes, step, rounding) if closed else None
     if all_round is not None:
-        known, turns = all_round
+        circle, turns = all_round
         chord, none = np.diff(nodes[::step], axis=0), np.zeros(len(line), dtype=bool)
-        found = known.derivatives(chord), known.shapes(chord), none, ~none
+        found = circle.derivatives(chord), circle.shapes(chord), none, ~none
         _store(out, line, forward, nodes[::step], found, none, closed)
         worst = int(np.argmax(turns))
         return float(turns[worst]), nodes[worst * step] + origin

@@ -105,7 +105,8 @@ class Triangles:
         out = np.empty((len(self), 3, 12))
         out[..., :3] = (factor @ self.curvature_map) * root
         nx, ny = self.normals[..., 0], self.normals[..., 1]
-        outer = np.stack([nx * nx, ny * ny, 2 * nx * ny], axis=1)  # (T, component, edge)
+        outer = np.empty((len(self), 3, 3))  # (T, component, edge)
+        outer[:, 0], outer[:, 1], outer[:, 2] = nx * nx, ny * ny, 2 * nx * ny
         slope = (factor @ outer) * (self.outward[:, None] / root)
         across = self.lengths[..., None] * (
             self.normals @ self.inverse.swapaxes(1, 2)

@@ -135,7 +135,8 @@ class HHJFields(Fields):
 def work_of_supports(system: HHJSystem, solution: HHJSolution) -> float:
     """Work of what supports exert on the motion that they prescribe, as if it acted in full."""
     held = ~system.numbering.free
-    return float(_exerted(system, solution)[0][held] @ solution.unknowns[held])
+    motion = solution.unknowns[held]
+    return float(_exerted(system, solution)[0][held] @ motion) if motion.any() else 0.0
 
 
 def _exerted(system: HHJSystem, solution: HHJSolution) -> tuple[Floats, list[Floats]]:
