@@ -174,3 +174,12 @@ def test_richardson_is_off_where_bounds_are_not(numbers):
     found = numbers("richardson")
     assert (found["Richardson"] > 100 * found["graded, guaranteed"]).all()
     assert (found["graded, guaranteed"] <= 1e-4).all()
+
+
+def test_guaranteed_intervals_need_residuals_through_strains(numbers):
+    found = numbers("rounding")
+    low, high = found["f - K x: from"], found["f - K x: to"]
+    assert low.max() > high.min()  # two of them have nothing in common
+    low, high = found["through strains: from"], found["through strains: to"]
+    assert low.max() <= high.min()
+    assert (np.diff(high - low) < 0.0).all()

@@ -21,6 +21,7 @@ from verification.failures import (
     point_supports,
     poisson,
     richardson,
+    rounding,
     textbook,
     thin_triangles,
     time_steps,
@@ -48,6 +49,7 @@ GALLERY: dict[str, Failure] = {
         averages,
         frozen_shape,
         richardson,
+        rounding,
     )
 }
 

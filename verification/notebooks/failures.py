@@ -150,3 +150,12 @@ _ = show("frozen_shape")
 
 # %%
 _ = show("richardson")
+
+# %% [markdown]
+# ## Unbalanced rounding
+#
+# $J(w) = J(w_h) + \langle d, \kappa(z_h)\rangle + \frac12\langle d, d^*\rangle \pm \frac12|d||d^*|$ holds for
+# moments in exact equilibrium only; $f - Kx$ of a rounded matrix is not that.
+
+# %%
+_ = show("rounding")
