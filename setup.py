@@ -14,11 +14,12 @@ setup(
     package_dir={"kshell.verify.meshes": "meshes"},
     ext_modules=[
         Extension(
-            "kshell.solvers.compiled",
-            ["kshell/solvers/compiled.pyx"],
+            name,
+            [name.replace(".", "/") + ".pyx"],
             # the same numbers as numpy on every processor: no products and sums rounded together
             extra_compile_args=[] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"],
             optional=True,
         )
+        for name in ("kshell.solvers.compiled", "kshell.solvers.multigrid.compiled")
     ],
 )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Group, Mesh
+from kshell.mesh.triangulation import changed
 
 BITS = 15  # of each coordinate
 ASIDE = (
@@ -58,18 +59,15 @@ def in_spatial_order(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
     renumbered = number[mesh.triangles]
     triangle_order = np.argsort(renumbered.min(axis=1), kind="stable")
     result = Mesh(mesh.points[order], renumbered[triangle_order], notes=mesh.notes, source=mesh.source)
-    edge_number = result.edge_index(number[mesh.edges])
-    triangle_number = np.argsort(triangle_order)
-    maps = (number, edge_number, triangle_number)
+    midpoints = None
+    maps: list[NDArray[np.integer]] = [number, np.zeros(0, dtype=np.int32), np.argsort(triangle_order)]
+    if mesh.midpoints is not None or any(group.dimension == 1 for group in mesh.groups.values()):
+        maps[1] = result.edge_index(number[mesh.edges])
+    if mesh.midpoints is not None:
+        midpoints = np.empty_like(mesh.midpoints)
+        midpoints[maps[1]] = mesh.midpoints
     groups = {
         name: Group(group.dimension, np.sort(maps[group.dimension][group.members]).astype(np.int32))
         for name, group in mesh.groups.items()
     }
-    midpoints = None
-    if mesh.midpoints is not None:
-        midpoints = np.empty_like(mesh.midpoints)
-        midpoints[edge_number] = mesh.midpoints
-    found = Mesh(
-        result.points, result.triangles, midpoints, groups, mesh.notes, mesh.source, higher=mesh.higher
-    )
-    return found, order
+    return changed(result, midpoints=midpoints, groups=groups, higher=mesh.higher), order

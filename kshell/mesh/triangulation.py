@@ -128,8 +128,8 @@ class Triangulation:
     @cached_property
     def _edge_table(self) -> tuple[Ints, Ints]:
         n = len(self.points)
-        ends = np.sort(self.triangles[:, EDGE_VERTICES], axis=2).astype(np.int64)  # (triangle, edge, 2)
-        every = (ends[..., 0] * n + ends[..., 1]).ravel()
+        one, other = (self.triangles[:, EDGE_VERTICES[:, k]].astype(np.int64) for k in range(2))
+        every = (np.minimum(one, other) * n + np.maximum(one, other)).ravel()
         order = np.argsort(every)
         rising = every[order]
         first = np.ones(len(every), dtype=bool)
@@ -137,7 +137,9 @@ class Triangulation:
         inverse = np.empty(len(every), dtype=np.int64)
         inverse[order] = np.cumsum(first) - 1
         key = rising[first]
-        edges = np.stack([key // n, key % n], axis=1).astype(np.int32)
+        edges = np.empty((len(key), 2), dtype=np.int32)
+        edges[:, 0] = low = key // n
+        edges[:, 1] = key - low * n
         return edges, inverse.reshape(-1, 3).astype(np.int32)
 
     @property

@@ -8,6 +8,7 @@ and no list of all element entries is ever sorted or stored.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.plate.reduction import Reduction
 from kshell.solvers import kernels
+from kshell.solvers.kernels import contiguous
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -100,39 +102,62 @@ class Pattern:
     """
 
     def __init__(self, reduction: Reduction) -> None:
-        layout = reduction.layout
-        mesh, b = layout.mesh, layout.per_vertex
         self.reduction = reduction
-        sizes = reduction.sizes
-        starts = np.concatenate([[0], np.cumsum(sizes)])  # first unknown of each node
+        self._starts = np.concatenate([[0], np.cumsum(reduction.sizes)])  # first unknown of each node
+        if kernels.compiled is None or not self._made_by_loops():
+            self._made_by_arrays()
 
-        self.pairs = NodePairs(mesh)
-        count = np.diff(self.pairs.indptr)
-        # an entry for every unknown of a neighbour, in the rows of nodes that have unknowns
-        near_size = sizes[self.pairs.columns]
-        near_size[np.repeat(sizes == 0, count)] = 0
-        before = np.concatenate([[0], np.cumsum(near_size)])
-        first_of_row = before[self.pairs.indptr]
+    def _made_by_loops(self) -> bool:
+        """Rows by compiled loops; False where 32 bits are too few for their entries."""
+        sizes, starts = (contiguous(part, np.int64) for part in (self.reduction.sizes, self._starts))
+        pairs, near = kernels.neighbours_of_groups(self._nodes_of(slice(None)), len(sizes), True)
+        none = np.empty(0, dtype=np.int32)
+        self.entries = kernels.compiled.rows_of_nodes(pairs, near, sizes, starts, none, none)
+        if self.entries >= 2**31:
+            return False
+        self.indptr: Any = np.zeros(self.reduction.count + 1, dtype=np.int32)
+        self.indices: Any = np.empty(self.entries, dtype=np.int32)
+        kernels.compiled.rows_of_nodes(pairs, near, sizes, starts, self.indptr, self.indices)
+        return True
+
+    def _made_by_arrays(self) -> None:
+        sizes, starts = self.reduction.sizes, self._starts
+        pairs, before, first_of_row = self._blocks
         width = np.diff(first_of_row)  # entries in each row of a node
         indptr = np.concatenate([[0], np.cumsum(np.repeat(width, sizes))])
         self.entries = int(indptr[-1])
         kind = np.int32 if self.entries < 2**31 else np.int64
         self.indptr = indptr.astype(kind)
-        # where the block of a pair begins: the first unknown of the neighbour in the first row of the node
-        shift = self.indptr[starts[:-1]] - first_of_row[:-1].astype(kind)
-        self._block = before[:-1].astype(kind) + np.repeat(shift, count)
-        if b == 1:
-            self.indices = starts[self.pairs.columns[near_size > 0]].astype(kind)
-        else:
-            self.indices = np.empty(self.entries, dtype=kind)
-            for size in np.unique(sizes[sizes > 0]):
-                self._fill_columns(np.flatnonzero(sizes == size), int(size), sizes, starts, width)
-        self._starts, self._width = starts, width.astype(np.int32)
+        if self.reduction.layout.per_vertex == 1:
+            self.indices = starts[pairs.columns[np.diff(before) > 0]].astype(kind)
+            return
+        self.indices = np.empty(self.entries, dtype=kind)
+        for size in np.unique(sizes[sizes > 0]):
+            self._fill_columns(np.flatnonzero(sizes == size), int(size), width)
 
-    def _fill_columns(self, nodes: Ints, size: int, sizes: Ints, starts: Ints, width: Ints) -> None:
+    @cached_property
+    def _blocks(self) -> tuple[NodePairs, Ints, Ints]:
+        """Pairs of nodes, entries of one row before each of them, (pair + 1,), and before each node, (node + 1,)."""
+        pairs, sizes = NodePairs(self.reduction.layout.mesh), self.reduction.sizes
+        # an entry for every unknown of a neighbour, in the rows of nodes that have unknowns
+        near_size = sizes[pairs.columns]
+        near_size[np.repeat(sizes == 0, np.diff(pairs.indptr))] = 0
+        before = np.concatenate([[0], np.cumsum(near_size)])
+        return pairs, before, before[pairs.indptr]
+
+    @cached_property
+    def _block(self) -> Ints:
+        """(pair,) where the block of a pair begins: the first unknown of the neighbour in the first row of the node."""
+        pairs, before, first_of_row = self._blocks
+        kind = self.indptr.dtype
+        shift = self.indptr[self._starts[:-1]] - first_of_row[:-1].astype(kind)
+        return np.asarray(before[:-1].astype(kind) + np.repeat(shift, np.diff(pairs.indptr)))
+
+    def _fill_columns(self, nodes: Ints, size: int, width: Ints) -> None:
         """Write the column numbers of all rows of nodes that have ``size`` unknowns."""
-        begin = self.pairs.indptr[nodes].astype(np.int64)
-        near = self.pairs.columns[ranges(begin, self.pairs.indptr[nodes + 1] - begin)]
+        pairs, sizes, starts = self._blocks[0], self.reduction.sizes, self._starts
+        begin = pairs.indptr[nodes].astype(np.int64)
+        near = pairs.columns[ranges(begin, pairs.indptr[nodes + 1] - begin)]
         columns = ranges(starts[near], sizes[near])
         place = self.indptr[starts[nodes]].astype(np.int64)
         for r in range(size):
@@ -152,12 +177,13 @@ class Pattern:
         (n, local, local) int array; entries of fixed rows or columns point one past the end.
         """
         per_vertex = self.reduction.layout.per_vertex
-        out = self._block[self.pairs.of_triangles(triangles)].astype(np.intp)  # (n, 6, 6)
+        out = self._block[self._blocks[0].of_triangles(triangles)].astype(np.intp)  # (n, 6, 6)
         if per_vertex > 1:
-            local_node, nodes = self._nodes(triangles, unknown.shape[1])
+            local_node = _local_nodes(unknown.shape[1])
+            nodes = self._nodes_of(triangles)[:, local_node]
             rank = np.where(unknown < 0, 0, unknown - self._starts[nodes])  # among the unknowns of the node
             out = out[:, local_node][:, :, local_node]
-            out += (rank * self._width[nodes])[:, :, None]
+            out += (rank * np.diff(self._blocks[2])[nodes])[:, :, None]
             out += rank[:, None, :]
         fixed = unknown < 0
         if fixed.any():
@@ -169,26 +195,22 @@ class Pattern:
         if kernels.compiled is None or self.indptr.dtype != np.int32:
             np.add.at(data, self.positions(triangles, unknown).ravel(), matrices.ravel())
             return
-        local_node, nodes = self._nodes(triangles, unknown.shape[1])
-        kernels.compiled.add_blocks(
+        kernels.compiled.add_nodes(
             data,
-            kernels.contiguous(self._block[self.pairs.of_triangles(triangles)], np.int32),
-            local_node,
-            kernels.contiguous(unknown - self._starts[nodes], np.int32),
-            kernels.contiguous(self._width[nodes], np.int32),
-            np.ascontiguousarray(unknown, dtype=np.int32),
+            self.indptr,
+            self.indices,
+            contiguous(self._starts, np.int64),
+            self._nodes_of(triangles),
+            _local_nodes(unknown.shape[1]),
+            contiguous(unknown, np.int32),
             np.ascontiguousarray(matrices),
         )
 
-    def _nodes(self, triangles: Ints, columns: int) -> tuple[Ints, Ints]:
-        """(columns,) local node of each column of element matrices, and (n, columns) its node."""
-        at_each = (columns - 3) // 3  # columns of a vertex, more where lines cross the plate
-        local_node = np.concatenate([np.repeat(np.arange(3), at_each), [3, 4, 5]]).astype(np.int64)
+    def _nodes_of(self, triangles: Ints | slice) -> Ints32:
+        """(n, 6) nodes of triangles: vertices, then edges."""
         mesh = self.reduction.layout.mesh
-        whole = np.concatenate(
-            [mesh.triangles[triangles], len(mesh.points) + mesh.triangle_edges[triangles]], axis=1
-        )
-        return local_node, whole[:, local_node]
+        parts = mesh.triangles[triangles], len(mesh.points) + mesh.triangle_edges[triangles]
+        return np.concatenate(parts, axis=1, dtype=np.int32, casting="unsafe")
 
     def matrix(self, data: Floats) -> Any:
         """The CSR matrix with these entries."""
@@ -196,6 +218,11 @@ class Pattern:
         matrix = sp.csr_matrix((data, self.indices, self.indptr), shape=shape)
         matrix.has_sorted_indices = True
         return matrix
+
+
+def _local_nodes(columns: int) -> Ints:
+    """(columns,) local node of each column of element matrices; a vertex has more where lines cross the plate."""
+    return np.concatenate([np.repeat(np.arange(3), (columns - 3) // 3), [3, 4, 5]]).astype(np.int64)
 
 
 class FullPattern:

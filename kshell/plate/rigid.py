@@ -138,6 +138,10 @@ def _hanging(by_conditions: Floats, stiffness: Floats) -> list[Hanging]:
 
 def _extent(mesh: Mesh, piece: Ints, count: int) -> tuple[Floats, Floats]:
     """Centre (piece, 2) and size (piece,) of the pieces."""
+    if count == 1:
+        x = mesh.points[mesh.triangles.ravel(), :2]
+        middle = x.mean(axis=0)
+        return middle[None], np.abs(x - middle).max(keepdims=True)[0]
     corners = mesh.points[mesh.triangles, :2].reshape(-1, 2)
     label = np.repeat(piece, 3)
     number = np.bincount(label, minlength=count)

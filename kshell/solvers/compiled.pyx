@@ -6,7 +6,7 @@ from libc.math cimport INFINITY
 from libc.stdint cimport int32_t, int64_t
 
 
-VERSION = 2  # as in kshell.solvers.kernels
+VERSION = 3  # as in kshell.solvers.kernels
 
 
 cdef void _sort(int32_t* a, Py_ssize_t n) noexcept nogil:
@@ -27,8 +27,8 @@ cdef void _sort(int32_t* a, Py_ssize_t n) noexcept nogil:
 
 
 def neighbours(const int32_t[:, ::1] groups, int64_t[::1] starts, int32_t[::1] elements, int32_t[::1] mark,
-               int64_t[::1] pairs, int32_t[::1] high):
-    """Groups that each group meets in an element and that are not before it, in order; their number.
+               int64_t[::1] pairs, int32_t[::1] high, bint before=False):
+    """Groups that each group meets in an element, in order, those before it only if wanted; their number.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def neighbours(const int32_t[:, ::1] groups, int64_t[::1] starts, int32_t[::1] e
                 e = elements[i]
                 for k in range(g):
                     other = groups[e, k]
-                    if other > a and mark[other] != a:
+                    if (before or other > a) and mark[other] != a:
                         mark[other] = <int32_t>a
                         if write:
                             high[total] = other
@@ -207,24 +207,72 @@ def halved(const int32_t[::1] order, const cython.uchar[::1] beyond, const int64
                     before += 1
 
 
-def add_blocks(double[::1] data, const int32_t[:, :, ::1] block, const int64_t[::1] node, const int32_t[:, ::1] rank,
-               const int32_t[:, ::1] width, const int32_t[:, ::1] unknown, const double[:, :, ::1] matrices):
+def rows_of_nodes(const int64_t[::1] pairs, const int32_t[::1] near, const int64_t[::1] sizes, const int64_t[::1] starts,
+                  int32_t[::1] indptr, int32_t[::1] indices):
+    """Compressed rows of a matrix in which nodes couple as blocks; the number of entries.
+
+    Parameters
+    ----------
+    pairs, near : nodes that each node couples with, sorted
+    sizes, starts : (node,) and (node + 1,) unknowns of each node, and where they begin
+    indptr, indices : room, or indices of no length, to be told how much is needed
+    """
+    cdef Py_ssize_t a, p, i, j
+    cdef int64_t total = 0, width
+    cdef bint write = indices.shape[0] > 0
+    with nogil:
+        for a in range(sizes.shape[0]):
+            if sizes[a] == 0:
+                continue
+            if not write:
+                width = 0
+                for p in range(pairs[a], pairs[a + 1]):
+                    width += sizes[near[p]]
+                total += width * sizes[a]
+                continue
+            for i in range(sizes[a]):
+                for p in range(pairs[a], pairs[a + 1]):
+                    for j in range(starts[near[p]], starts[near[p] + 1]):
+                        indices[total] = <int32_t>j
+                        total += 1
+                indptr[starts[a] + i + 1] = <int32_t>total
+    return total
+
+
+def add_nodes(double[::1] data, const int32_t[::1] indptr, const int32_t[::1] indices, const int64_t[::1] starts,
+              const int32_t[:, ::1] nodes, const int64_t[::1] node, const int32_t[:, ::1] unknown,
+              const double[:, :, ::1] matrices):
     """Add element matrices to compressed rows in which nodes couple as blocks; what is fixed falls away.
 
     Parameters
     ----------
-    block : (element, m, m) where the block of two nodes begins
-    node : (n,) node of each column of the matrices
-    rank, width, unknown : (element, n) place in its block, length of its row, number or -1
+    nodes : (element, m), at most 8 of them
+    node : (n,) which of these each column of the matrices belongs to
+    unknown : (element, n) number or -1
     """
-    cdef Py_ssize_t e, i, j, n = node.shape[0]
-    cdef int64_t row
+    cdef Py_ssize_t e, i, j, k, n = node.shape[0], m = nodes.shape[1]
+    cdef int64_t row, low, top, middle, first
+    cdef int64_t[8] at  # from the first entry of a row to the blocks of the nodes
+    cdef int32_t known
     with nogil:
         for e in range(matrices.shape[0]):
+            known = -1
             for i in range(n):
-                if unknown[e, i] < 0:
+                row = unknown[e, i]
+                if row < 0:
                     continue
-                row = <int64_t>rank[e, i] * width[e, i]
+                if node[i] != known:
+                    known = <int32_t>node[i]
+                    for k in range(m):
+                        first = starts[nodes[e, k]]
+                        low, top = indptr[row], indptr[row + 1]
+                        while low < top:
+                            middle = (low + top) // 2
+                            if indices[middle] < first:
+                                low = middle + 1
+                            else:
+                                top = middle
+                        at[k] = low - indptr[row] - first
                 for j in range(n):
                     if unknown[e, j] >= 0:
-                        data[block[e, node[i], node[j]] + row + rank[e, j]] += matrices[e, i, j]
+                        data[indptr[row] + at[node[j]] + unknown[e, j]] += matrices[e, i, j]

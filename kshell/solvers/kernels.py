@@ -1,7 +1,8 @@
 """Loops that are compiled where kshell was installed with a C compiler at hand; elsewhere numpy makes the same numbers.
 
-`compiled` is the module `kshell/solvers/compiled.pyx`, or None. Who has a loop there looks at it each time, and has the
-way of numpy beside it. The variable KSHELL_COMPILED=0 of the environment leaves it out.
+`compiled` is the module `kshell/solvers/compiled.pyx`, or None, and `cycles` that of multigrid,
+`kshell/solvers/multigrid/compiled.pyx`. Who has a loop there looks at it each time, and has the way of numpy beside
+it. The variable KSHELL_COMPILED=0 of the environment leaves both out.
 """
 
 from __future__ import annotations
@@ -16,14 +17,14 @@ from numpy.typing import NDArray
 Ints = NDArray[np.integer]
 
 VARIABLE = "KSHELL_COMPILED"
-VERSION = 2  # of the functions of the compiled module, which has the same
+VERSION = 3  # of the functions of the compiled modules, which have the same
 
 
-def _loaded() -> Any:
+def _loaded(name: str) -> Any:
     if os.environ.get(VARIABLE) == "0":
         return None
     try:
-        found = import_module("kshell.solvers.compiled")
+        found = import_module(name)
     except ImportError:
         return None
     return (
@@ -31,7 +32,8 @@ def _loaded() -> Any:
     )  # left behind by an older installation from this folder
 
 
-compiled: Any = _loaded()
+compiled: Any = _loaded("kshell.solvers.compiled")
+cycles: Any = _loaded("kshell.solvers.multigrid.compiled")
 
 
 def which() -> str:
@@ -44,22 +46,38 @@ def contiguous(values: Ints, kind: type) -> Ints:
     return np.ascontiguousarray(values, dtype=kind)
 
 
+def neighbours_of_groups(groups: Ints, count: int, before: bool = False) -> tuple[Ints, Ints]:
+    """Groups that each group meets in an element, sorted, and where those of each start, by compiled loops.
+
+    Parameters
+    ----------
+    groups : (element, g) int32 array
+    count : int
+        Of groups.
+    before : bool
+        Whether those before it are wanted, too.
+    """
+    starts, near = np.empty(count + 1, dtype=np.int64), np.empty(0, dtype=np.int32)
+    for _ in range(2):  # first counted, then stored
+        total = compiled.neighbours(
+            groups,
+            np.zeros(count + 1, dtype=np.int64),
+            np.empty(groups.size, dtype=np.int32),
+            np.full(count, -1, dtype=np.int32),
+            starts,
+            near,
+            before,
+        )
+        if not total or len(near):
+            break
+        near = np.empty(total, dtype=np.int32)
+    return starts, near
+
+
 def pairs_of_groups(groups: Ints, count: int) -> tuple[Ints, Ints, Ints]:
     """As `kshell.equilibrium.sparsity.group_pairs`, by compiled loops; the groups as 32-bit numbers."""
     members = contiguous(groups, np.int32)
-    starts, high = np.empty(count + 1, dtype=np.int64), np.empty(0, dtype=np.int32)
-    for _ in range(2):  # first counted, then stored
-        total = compiled.neighbours(
-            members,
-            np.zeros(count + 1, dtype=np.int64),
-            np.empty(members.size, dtype=np.int32),
-            np.full(count, -1, dtype=np.int32),
-            starts,
-            high,
-        )
-        if not total or len(high):
-            break
-        high = np.empty(total, dtype=np.int32)
+    starts, high = neighbours_of_groups(members, count)
     low = np.repeat(np.arange(count, dtype=groups.dtype), np.diff(starts))
     place = np.empty((len(groups), groups.shape[1], groups.shape[1]), dtype=np.int32)
     compiled.numbers(members, starts, high, place)

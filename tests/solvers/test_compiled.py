@@ -15,8 +15,13 @@ from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.sparsity import Sparsity, group_pairs
 from kshell.solvers import kernels
 from kshell.solvers.dissection import dissected
+from kshell.solvers.multigrid.coarsen import independent
+from kshell.solvers.multigrid.galerkin import galerkin
+from kshell.solvers.multigrid.hct import interpolation_weights
+from kshell.solvers.multigrid.levels import RelaxedLevel, SweptLevel, level_of
 
 ROOT = Path(__file__).parents[2]
+MODULES = ("kshell.solvers.compiled", "kshell.solvers.multigrid.compiled")
 built = pytest.mark.skipif(kernels.compiled is None, reason="kshell was installed without a C compiler")
 
 
@@ -29,6 +34,7 @@ def both_ways(monkeypatch, work):
     """What some work returns by compiled loops, and by those of numpy."""
     fast = work()
     monkeypatch.setattr(kernels, "compiled", None)
+    monkeypatch.setattr(kernels, "cycles", None)
     return fast, work()
 
 
@@ -113,9 +119,85 @@ def test_matrices_of_plates(monkeypatch, element):
     np.testing.assert_allclose(fast.data, slow.data, rtol=1e-14, atol=1e-14 * np.abs(slow.data).max())
 
 
+def level(random, height, rows=40, coarse=9):
+    """A sparse symmetric positive definite matrix in blocks, and an interpolation from a coarser level."""
+    near = sp.random_array((rows, rows), density=0.1, rng=random) + sp.eye_array(rows)
+    matrix = sp.kron(near @ near.T, np.ones((height, height)), format="csr")
+    matrix.data = random.uniform(-0.1, 0.1, matrix.nnz)
+    matrix = sp.csr_matrix(matrix + matrix.T)
+    matrix += sp.diags(0.1 + np.asarray(abs(matrix).sum(axis=1)).ravel())
+    above = sp.random_array((rows, coarse), density=0.3, rng=random, format="lil")
+    above[rows - 1] = 0.0  # a row without any, and a column: a vertex that no unknown feels
+    above[:, coarse - 1] = 0.0
+    above = above.tocsr()
+    blocks = random.standard_normal((above.nnz, height, 3))
+    blocks[:, :, 2] *= above.indices[:, None] != 2  # one freedom is held
+    prolongation = sp.bsr_matrix(
+        (blocks, above.indices.astype(np.int32), above.indptr.astype(np.int32)),
+        shape=(height * rows, 3 * coarse),
+    )
+    matrix = matrix.tobsr((height, height))
+    matrix.sort_indices()
+    return matrix, prolongation
+
+
+@built
+@pytest.mark.parametrize("height", [1, 3])
+def test_coarse_matrices(monkeypatch, height):
+    """Also where a row of the product has so many blocks that its places must grow."""
+    for coarse in (9, 150):
+        parts = level(np.random.default_rng(height), height, coarse=coarse)
+        fast, slow = both_ways(monkeypatch, lambda p=parts: galerkin(*p).toarray())
+        monkeypatch.undo()
+        np.testing.assert_allclose(fast, slow, rtol=1e-14, atol=1e-14 * np.abs(slow).max())
+        assert np.count_nonzero(fast) == np.count_nonzero(slow)
+        assert fast[8, 8] == fast[-1, -1] == 1.0
+
+
+@built
+@pytest.mark.parametrize("height", [1, 3])
+@pytest.mark.parametrize("count", [1, 2])
+def test_sweeps_and_what_they_leave(monkeypatch, height, count):
+    random = np.random.default_rng(height)
+    matrix, prolongation = level(random, height)
+    rhs, below = random.standard_normal(matrix.shape[0]), random.standard_normal(prolongation.shape[1])
+
+    def work():
+        here = level_of(matrix, prolongation, count)
+        x, left = here.before(rhs)
+        out = [type(here), x.copy(), left.copy(), here.restrict(left), here.interpolate(below)]
+        return [*out, *here.after(rhs, x, left, out[-1], True), here.residual(rhs, rhs)]
+
+    fast, slow = both_ways(monkeypatch, work)
+    assert (fast[0], slow[0]) == (SweptLevel, RelaxedLevel)
+    for one, other in zip(fast[1:], slow[1:], strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-13 * np.abs(other).max() + 1e-14)
+
+
+@built
+def test_interpolation_by_clough_and_tocher(monkeypatch):
+    random = np.random.default_rng(3)
+    corners = random.standard_normal((200, 3, 2))
+    inside = np.einsum("nc,ncx->nx", random.dirichlet([1, 1, 1], 200), corners)
+    assert_same(*both_ways(monkeypatch, lambda: [interpolation_weights(inside, corners)]))
+
+
+@built
+def test_independent_sets(monkeypatch):
+    random = np.random.default_rng(4)
+    edges = np.unique(np.sort(random.integers(0, 200, (500, 2)), axis=1), axis=0)
+    edges = edges[edges[:, 0] < edges[:, 1]].astype(np.int32)
+    turn = random.permutation(200).astype(np.uint64)
+    allowed = random.uniform(size=200) < 0.8
+    fast, slow = both_ways(monkeypatch, lambda: [independent(turn, edges, allowed)])
+    assert_same(fast, slow)
+    assert fast[0].any()
+    assert not fast[0][edges].all(axis=1).any()
+
+
 def test_they_can_be_left_out(monkeypatch):
     monkeypatch.setenv(kernels.VARIABLE, "0")
-    assert kernels._loaded() is None
+    assert [kernels._loaded(name) for name in MODULES] == [None, None]
     monkeypatch.setattr(kernels, "compiled", None)
     assert kernels.which() == "numpy"
 
@@ -123,9 +205,9 @@ def test_they_can_be_left_out(monkeypatch):
 @built
 def test_what_an_older_installation_left_is_not_used(monkeypatch):
     monkeypatch.delenv(kernels.VARIABLE, raising=False)
-    assert kernels._loaded() is not None
+    assert None not in [kernels._loaded(name) for name in MODULES]
     monkeypatch.setattr(kernels, "VERSION", 0)
-    assert kernels._loaded() is None
+    assert [kernels._loaded(name) for name in MODULES] == [None, None]
 
 
 def test_an_installation_does_without_a_compiler(monkeypatch):
@@ -134,6 +216,7 @@ def test_an_installation_does_without_a_compiler(monkeypatch):
     monkeypatch.setattr(setuptools, "setup", given.update)
     monkeypatch.setattr(sys, "argv", ["setup.py"])
     runpy.run_path("setup.py")
-    (extension,) = given["ext_modules"]
-    assert extension.optional
-    assert all((ROOT / source).is_file() for source in extension.sources)
+    assert tuple(extension.name for extension in given["ext_modules"]) == MODULES
+    for extension in given["ext_modules"]:
+        assert extension.optional
+        assert all((ROOT / source).is_file() for source in extension.sources)

@@ -85,8 +85,8 @@ class Cloud:
     def edges(self) -> tuple[Ints, Bools]:
         """Edges (edge, 2), and which of them are lines: boundaries, interfaces, supported lines."""
         n = len(self.points)
-        ends = np.sort(self.triangles[:, [[0, 1], [1, 2], [0, 2]]], axis=2).astype(np.int64)
-        keys = (ends[..., 0] * n + ends[..., 1]).ravel()
+        one, other = (self.triangles[:, ends].astype(np.int64) for ends in ([0, 1, 0], [1, 2, 2]))
+        keys = (np.minimum(one, other) * n + np.maximum(one, other)).ravel()
         if self.stiffness is None or len(keys) == 0:
             key, count = np.unique(keys, return_counts=True)
             line = count != 2
@@ -96,7 +96,9 @@ class Cloud:
             np.minimum.at(low, inverse, np.repeat(self.stiffness, 3))
             np.maximum.at(high, inverse, np.repeat(self.stiffness, 3))
             line = (count != 2) | (high > STIFFNESS_JUMP * (1 + TIE) * low)
-        edges = np.stack([key // n, key % n], axis=1)
+        edges = np.empty((len(key), 2), dtype=np.int32)
+        edges[:, 0] = low = key // n
+        edges[:, 1] = key - low * n
         constrained = ~self.plain
         line |= constrained[edges[:, 0]] & constrained[edges[:, 1]]
         return edges, line

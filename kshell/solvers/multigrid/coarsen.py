@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kshell.solvers import kernels
 from kshell.solvers.multigrid.cloud import TIE, Bools, Cloud, Turns, neighbours, shuffled
 from kshell.solvers.system import Floats, Ints
 
@@ -146,13 +147,20 @@ def independent(turn: Turns, edges: Ints, allowed: Bools) -> Bools:
     They are taken by turns, in random order (always the same): that leaves 1/4.3 of the vertices of a triangle
     mesh, where the order of a mesh generator leaves up to 1/3.
     """
-    from pyamg.graph import maximal_independent_set
-
     n = len(turn)
     ids = np.flatnonzero(allowed)
     ids = ids[np.argsort(turn[ids])]
     result = np.zeros(n, dtype=bool)
-    if len(ids):
+    if len(ids) and kernels.cycles is not None:
+        kernels.cycles.independent(
+            np.ascontiguousarray(edges, dtype=np.int32),
+            kernels.contiguous(ids, np.int64),
+            allowed.view(np.uint8),
+            result.view(np.uint8),
+        )
+    elif len(ids):
+        from pyamg.graph import maximal_independent_set
+
         number = np.empty(n, dtype=np.int32)
         number[ids] = np.arange(len(ids), dtype=np.int32)
         inside = edges[allowed[edges[:, 0]] & allowed[edges[:, 1]]]

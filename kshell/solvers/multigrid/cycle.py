@@ -2,44 +2,55 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from kshell.solvers.multigrid.levels import Level
 from kshell.solvers.system import Floats
 
+Coarsest = Callable[[Floats], Floats]  # the solution on the coarsest level
 
-def cycle(solver: Any, rhs: Floats, level: int = 0, x: Floats | None = None, visits: int = 2) -> Floats:
-    """One cycle for A x = b on a level.
+
+def cycle(
+    levels: Sequence[Level], coarsest: Coarsest, rhs: Floats, visits: int = 2, wanted: bool = False
+) -> tuple[Floats, Floats | None]:
+    """One cycle for A x = b on the first of some levels, from x = 0.
 
     Parameters
     ----------
-    solver : pyamg.MultilevelSolver
-        With smoothers that are each other's transpose, so that the cycle from x = 0 is a symmetric operator.
-    x : (n,) float array, optional
-        Start, overwritten; zero by default.
+    levels : sequence of Level
+        All but the coarsest.
+    coarsest : function
     visits : int
         1 is a V-cycle, 2 a W-cycle.
+    wanted : bool
+        Whether the residual is.
+
+    Returns
+    -------
+    x : (n,) float array
+    residual : (n,) float array or None
+        b - A x
     """
-    levels = solver.levels
-    here = levels[level]
-    if level == len(levels) - 1:
-        correction = solver.coarse_solver(here.A, rhs if x is None else rhs - here.A @ x)
-        return correction if x is None else x + correction
-    if x is None:
-        x = np.zeros_like(rhs)
-    here.presmoother(here.A, x, rhs)
-    coarse_rhs = here.R @ (rhs - here.A @ x)
-    coarse = cycle(solver, coarse_rhs, level + 1, None, visits)
-    if visits > 1 and level + 2 < len(levels):
-        for _ in range(visits - 1):
-            coarse = cycle(solver, coarse_rhs, level + 1, coarse, visits)
-    x += here.P @ coarse
-    here.postsmoother(here.A, x, rhs)
-    return x
+    if not levels:
+        return coarsest(rhs), None
+    here, below = levels[0], levels[1:]
+    x, left = here.before(rhs)
+    more = here.restrict(left)
+    coarse = np.zeros_like(more)
+    count = visits if below else 1  # what is solved once for all need not be visited again
+    for visit in range(count):
+        step, rest = cycle(below, coarsest, more, visits, visit + 1 < count)
+        coarse += step
+        if rest is not None:
+            more = rest
+    return here.after(rhs, x, left, here.interpolate(coarse), wanted)
 
 
-def nested_iteration(solver: Any, rhs: Floats, visits: int = 2) -> tuple[Floats, list[float]]:
+def nested_iteration(
+    levels: Sequence[Level], coarsest: Coarsest, rhs: Floats, visits: int = 2
+) -> tuple[Floats, list[float]]:
     """Solve level by level from the coarsest up, with one cycle each.
 
     Returns
@@ -49,13 +60,13 @@ def nested_iteration(solver: Any, rhs: Floats, visits: int = 2) -> tuple[Floats,
     energies : list of float
         b.x on each level, the finest first: they grow towards that of the plate.
     """
-    levels = solver.levels
     loads = [rhs]
-    for level in levels[:-1]:
-        loads.append(level.R @ loads[-1])
-    x = solver.coarse_solver(levels[-1].A, loads[-1])
+    for level in levels:
+        loads.append(level.restrict(loads[-1]))
+    x = coarsest(loads[-1])
     energies = [float(loads[-1] @ x)]
-    for k in range(len(levels) - 2, -1, -1):
-        x = cycle(solver, loads[k], k, levels[k].P @ x, visits)
+    for k in range(len(levels) - 1, -1, -1):
+        x = levels[k].interpolate(x)
+        x += cycle(levels[k:], coarsest, levels[k].residual(x, loads[k]), visits)[0]
         energies.append(float(loads[k] @ x))
     return x, energies[::-1]

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kshell.solvers import kernels
 from kshell.solvers.system import Floats
 
 CHUNK = 4096  # points at a time: the temporaries stay in the cache
@@ -43,6 +44,9 @@ def interpolation_weights(points: Floats, corners: Floats) -> Floats:
         [point, corner, component of the result, component at the corner].
     """
     out = np.empty((len(points), 3, 3, 3))
+    if kernels.cycles is not None:
+        kernels.cycles.clough_tocher(np.ascontiguousarray(points), np.ascontiguousarray(corners), out)
+        return out
     for start in range(0, len(points), CHUNK):
         part = slice(start, start + CHUNK)
         out[part] = _weights(points[part], corners[part])

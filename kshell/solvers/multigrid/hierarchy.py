@@ -1,4 +1,4 @@
-"""The multigrid hierarchy of a plate, as a `pyamg.MultilevelSolver` with PyAMG's smoothers.
+"""The multigrid hierarchy of a plate.
 
 Level 0 is the element, level 1 for Argyris the vertex space, all others are reduced-HCT spaces on ever fewer
 vertices; every coarse matrix is the Galerkin product R A P with R = P^T. Smoothing is Gauss-Seidel,
@@ -20,12 +20,15 @@ from kshell.solvers.backends import SUPERLU, Singular
 from kshell.solvers.checks import free_motion_error, softest_vector
 from kshell.solvers.multigrid.cloud import Cloud
 from kshell.solvers.multigrid.coarsen import coarsen
+from kshell.solvers.multigrid.cycle import Coarsest
 from kshell.solvers.multigrid.galerkin import entries, galerkin
 from kshell.solvers.multigrid.interpolate import interpolation
-from kshell.solvers.multigrid.smoothers import set_smoothers
+from kshell.solvers.multigrid.levels import Level, RelaxedLevel, level_of
+from kshell.solvers.multigrid.smoothers import patch_smoothers
 from kshell.solvers.multigrid.vertex_space import element_interpolation
-from kshell.solvers.system import Floats, PlateSpace
+from kshell.solvers.system import PlateSpace
 
+SMALL_LEVELS = 2  # from this level on, with less than a tenth of the unknowns
 COARSEST = 3000  # unknowns that are left to the factorisation
 STALL = 0.6  # vertices left by a coarsening, as part of those before, above which it does not work
 LARGEST_FACTOR = 60_000  # unknowns of a level that is factorised where coarsening stalls
@@ -34,18 +37,22 @@ SOFT = 1e-12  # stiffness of a free motion on the coarsest level, where regular 
 
 @dataclass(frozen=True, eq=False)
 class Hierarchy:
-    """Levels and smoothers.
+    """Levels with their smoothers.
 
     Attributes
     ----------
-    solver : pyamg.MultilevelSolver
+    levels : tuple of Level
+        All but the coarsest.
+    coarsest : function
+        The solution there.
     vertices : tuple of int
         Vertices of each vertex level.
     notes : tuple of str
         Where coarsening did not work and what was done instead.
     """
 
-    solver: Any
+    levels: tuple[Level, ...]
+    coarsest: Coarsest
     vertices: tuple[int, ...]
     notes: tuple[str, ...]
 
@@ -97,34 +104,36 @@ def build(matrix: Any, space: PlateSpace) -> Hierarchy:
         If the structure can move freely; `state` is a `FreeMotion` on the unknowns of the matrix.
     """
     import scipy.sparse as sp
-    from pyamg.multilevel import MultilevelSolver
 
     blocks, vertices, notes, cloud = prolongations(space)
-    levels: list[Any] = []
+    levels: list[Level] = []
     product = sp.bsr_matrix((matrix.data[:, None, None], matrix.indices, matrix.indptr), shape=matrix.shape)
     while blocks:
         coarser = galerkin(product, blocks[0])
-        level = MultilevelSolver.Level()
-        level.A = entries(product) if levels else matrix  # after the product: both at once would be the peak
-        level.P = entries(blocks.pop(0))
-        level.R = level.P.T
-        levels.append(level)
+        patches = None if levels else patch_smoothers(matrix, space, Cloud.of_space(space))
+        # after the product: both at once would be the peak
+        levels.append(level_of(product, blocks.pop(0), _sweeps(len(levels)), patches))
         product = coarser
     a = entries(product)
     del product, coarser
-    last = MultilevelSolver.Level()
-    last.A = a
-    levels.append(last)
     if a.shape[0] <= LARGEST_FACTOR:
-        solver = MultilevelSolver(levels, coarse_solver=_coarse_solver(a, levels, matrix, space))
+        coarsest = _coarse_solver(a, levels, matrix, space)
     else:
-        solver = _aggregate(levels, cloud)
+        below, coarsest = _aggregate(a, len(levels), cloud)
+        levels += below
         notes.append(f"below {a.shape[0]} unknowns smoothed aggregation takes over, with more iterations")
-    set_smoothers(solver, space, Cloud.of_space(space))
-    return Hierarchy(solver, tuple(vertices), tuple(notes))
+    return Hierarchy(tuple(levels), coarsest, tuple(vertices), tuple(notes))
 
 
-def _coarse_solver(a: Any, levels: list[Any], matrix: Any, space: PlateSpace) -> Any:
+def _sweeps(level: int) -> int:
+    """One on the large levels, two on the small ones.
+
+    There they cost little, and the correction from below is poorer the more interpolations lie above it.
+    """
+    return 1 if level < SMALL_LEVELS else 2
+
+
+def _coarse_solver(a: Any, levels: list[Level], matrix: Any, space: PlateSpace) -> Coarsest:
     """The factorised coarsest level; a motion that is free there is free everywhere."""
     try:
         solve, _ = SUPERLU.factorise(a)
@@ -136,14 +145,10 @@ def _coarse_solver(a: Any, levels: list[Any], matrix: Any, space: PlateSpace) ->
             raise SolveError(f"the coarsest matrix of the multigrid is singular ({error})") from error
     vector, stiffness = softest_vector(a, solve)
     if not stiffness > SOFT:
-        for level in levels[-2::-1]:
-            vector = level.P @ vector
+        for level in levels[::-1]:
+            vector = level.interpolate(vector)
         raise free_motion_error(matrix, vector / np.abs(vector).max(), stiffness, space)
-
-    def coarse_solver(_: Any, b: Floats) -> Floats:
-        return solve(np.ravel(b)).reshape(np.shape(b))
-
-    return coarse_solver
+    return solve
 
 
 def _diagonal(a: Any) -> Any:
@@ -152,10 +157,9 @@ def _diagonal(a: Any) -> Any:
     return sp.diags(a.diagonal())
 
 
-def _aggregate(levels: list[Any], cloud: Cloud) -> Any:
-    """PyAMG's smoothed aggregation below the last geometric level, with the rigid motions of the plate."""
+def _aggregate(a: Any, level: int, cloud: Cloud) -> tuple[list[Level], Coarsest]:
+    """PyAMG's smoothed aggregation from a level on, with the rigid motions of the plate."""
     from pyamg import smoothed_aggregation_solver
-    from pyamg.multilevel import MultilevelSolver
 
     centred = cloud.points - cloud.points.mean(axis=0)
     rigid = np.zeros((len(centred), 3, 3))  # (vertex, component, motion)
@@ -164,5 +168,9 @@ def _aggregate(levels: list[Any], cloud: Cloud) -> Any:
     rigid[:, 1, 1] = rigid[:, 2, 2] = 1.0
     rigid = cloud.columns.transpose(0, 2, 1) @ rigid
     near_null = rigid[cloud.active].reshape(-1, 3)
-    below = smoothed_aggregation_solver(levels[-1].A, B=near_null, coarse_solver="splu")
-    return MultilevelSolver(levels[:-1] + below.levels, coarse_solver="splu")
+    below = smoothed_aggregation_solver(a, B=near_null, coarse_solver="splu")
+    *upper, last = below.levels
+    levels: list[Level] = [
+        RelaxedLevel(each.A.tocsr(), each.P.tocsr(), _sweeps(level + k)) for k, each in enumerate(upper)
+    ]
+    return levels, lambda rhs: np.asarray(below.coarse_solver(last.A, rhs))

@@ -1,4 +1,4 @@
-"""Smoothers of the hierarchy: Gauss-Seidel, and for Argyris at supports whole vertices at once."""
+"""Smoothers beside Gauss-Seidel: for Argyris at supports whole vertices at once."""
 
 from __future__ import annotations
 
@@ -7,50 +7,23 @@ from typing import Any
 import numpy as np
 
 from kshell.solvers.multigrid.cloud import Cloud
+from kshell.solvers.multigrid.levels import Patches
 from kshell.solvers.system import Floats, Ints, PlateSpace
 
-SMALL_LEVELS = 2  # from this level on, with less than a tenth of the unknowns
 
-
-def set_smoothers(solver: Any, space: PlateSpace, cloud: Cloud) -> None:
-    """Gauss-Seidel sweeps forward before and backward after the coarse correction, on every level.
-
-    One sweep on the large levels, two on the small ones: there they cost little, and the correction from below
-    is poorer the more interpolations lie above it.
+def patch_smoothers(matrix: Any, space: PlateSpace, cloud: Cloud) -> Patches | None:
+    """Schwarz's sweeps forward and backward over supported vertices and their edges; None where they are not needed.
 
     On curved supported edges Argyris ties second to first derivatives. Taken one by one, these unknowns slow
     the iteration down by a factor of four (54 instead of 12 on a ring); so after the forward sweep and
     before the backward one the unknowns of every supported vertex and its edges are solved for together.
     """
-    from pyamg.relaxation.smoothing import change_smoothers
-
-    sweeps = [1 if level < SMALL_LEVELS else 2 for level in range(len(solver.levels) - 1)]
-    before_and_after = (
-        [("gauss_seidel", {"sweep": direction, "iterations": count}) for count in sweeps]
-        for direction in ("forward", "backward")
-    )
-    change_smoothers(solver, *before_and_after)
-    if space.element != "argyris" or len(solver.levels) < 2:
-        return
+    if space.element != "argyris":
+        return None
     members, pointer = supported_patches(space, cloud)
     if len(pointer) < 2:
-        return
-    finest = solver.levels[0]
-    before, after = (
-        _schwarz(finest.A, members, pointer, "forward"),
-        _schwarz(finest.A, members, pointer, "backward"),
-    )
-    forward, backward = finest.presmoother, finest.postsmoother
-
-    def presmoother(a: Any, x: Floats, b: Floats) -> None:
-        forward(a, x, b)
-        before(a, x, b)
-
-    def postsmoother(a: Any, x: Floats, b: Floats) -> None:
-        after(a, x, b)
-        backward(a, x, b)
-
-    finest.presmoother, finest.postsmoother = presmoother, postsmoother
+        return None
+    return _schwarz(matrix, members, pointer, "forward"), _schwarz(matrix, members, pointer, "backward")
 
 
 def supported_patches(space: PlateSpace, cloud: Cloud) -> tuple[Ints, Ints]:

@@ -61,7 +61,7 @@ class Multigrid(Prepared):
             )
         self.element = space.element
         self.hierarchy = build(self.matrix, space)
-        self.name = "multigrid (PyAMG)"
+        self.name = "multigrid"
         self.why = why
         self.warnings = warnings + self.hierarchy.notes
         self.setup_seconds = time.perf_counter() - begin
@@ -70,7 +70,7 @@ class Multigrid(Prepared):
 
     def precondition(self, residual: Floats) -> Floats:
         """One cycle from zero: a symmetric approximation of the inverse of the matrix."""
-        return cycle(self.hierarchy.solver, residual)
+        return cycle(self.hierarchy.levels, self.hierarchy.coarsest, residual)[0]
 
     def solve(
         self,
@@ -145,7 +145,7 @@ class Multigrid(Prepared):
     ) -> Run:
         if not rhs.any():
             return Run(np.zeros_like(rhs), (0.0,), True, 0.0)
-        start, energies = nested_iteration(self.hierarchy.solver, rhs)
+        start, energies = nested_iteration(self.hierarchy.levels, self.hierarchy.coarsest, rhs)
         if tolerance is None:
             tolerance = self.discretisation_tolerance(energies)
         run = conjugate_gradients(self.matrix, rhs, self.precondition, tolerance, start, progress)

@@ -20,6 +20,7 @@ import numpy as np
 
 from kshell.solvers.multigrid.cloud import Cloud
 from kshell.solvers.multigrid.interpolate import block_matrix, split_rows
+from kshell.solvers.nearest import picked
 from kshell.solvers.system import Floats, Ints, PlateSpace
 
 SWEEPS = 4  # of Jacobi's method for T^T W T, which is diagonal but for a few boundary vertices
@@ -64,6 +65,11 @@ def element_interpolation(space: PlateSpace, cloud: Cloud) -> Any:
 
 def _left_inverse(reduction: Any, weight: Floats, full: Any, sp: Any) -> Any:
     """Q times the interpolation of all degrees of freedom."""
+    rows = picked(reduction.tocsc())
+    if rows is not None:  # each unknown is one of them, scaled
+        result = _take_rows(full, rows, sp)
+        _scale_rows(result, 1.0 / reduction.tocsc().data)
+        return result
     weighted = (sp.diags(weight) @ reduction).T.tocsr()
     gram = (weighted @ reduction).tocsr()
     diagonal = gram.diagonal()
