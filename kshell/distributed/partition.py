@@ -1,7 +1,8 @@
 """Which triangles are whose: parts of equal size with short borders.
 
-METIS on the graph of neighbours over edges where pymetis is installed, else the centres of triangles cut in halves
-across the longest side of their box.
+The parts of a file that gmsh has divided (`gmsh -part N`), where there are as many; else METIS on the graph of
+neighbours over edges where pymetis is installed, else the centres of triangles cut in halves across the longest side of
+their box.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ def partition(mesh: Mesh, parts: int, first: float | None = None) -> Ints:
     Parameters
     ----------
     mesh : Mesh
+        Its own parts, of its file, are taken where there are as many.
     parts : int
     first : float, optional
         Share of the first part, of 1; the others are equal. All are if absent.
@@ -54,6 +56,8 @@ def partition(mesh: Mesh, parts: int, first: float | None = None) -> Ints:
         raise InputError(f"{parts} processes for {count} triangles: start at most {count} processes, or one")
     if parts == 1:
         return np.zeros(count, dtype=np.int64)
+    if mesh.parts is not None and np.array_equal(np.unique(mesh.parts), np.arange(parts)):
+        return np.asarray(mesh.parts, dtype=np.int64)
     first = 1.0 / parts if first is None else first
     shares = [first, *[(1.0 - first) / (parts - 1)] * (parts - 1)]
     if importlib.util.find_spec("pymetis") is not None:

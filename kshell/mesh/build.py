@@ -62,7 +62,8 @@ def build(raw: RawMesh, kind: type[M]) -> M:
         check.curved_triangles(bare, midpoints)
 
     groups = _groups(raw, bare, vertex_of, row_of, notes)
-    mesh = changed(bare, midpoints=midpoints, groups=groups, higher=raw.higher)
+    parts = None if raw.parts is None else raw.parts[np.unique(row_of, return_index=True)[1]]
+    mesh = changed(bare, midpoints=midpoints, groups=groups, higher=raw.higher, parts=parts)
     notes += check.connections(mesh)
     out = changed(mesh, notes=tuple(notes))
     out.__dict__["_faces_up"] = True

@@ -44,10 +44,14 @@ class CellBlock:
     tags : tuple of int
         Physical tags; negative where the group takes the cells the other way round.
     entity : tuple of int
-        The number of the curve or surface the cells lie on, where the format tells; empty for points.
+        The number of the curve or surface the cells lie on, where the format tells; empty for points, and for lines
+        between the parts of a divided mesh.
+    part : int
+        Of a divided mesh, from 1; 0 where it is not.
     """
 
     cell_type: int
     nodes: NDArray[np.int64]
     tags: tuple[int, ...]
     entity: tuple[int, ...] = ()
+    part: int = 0

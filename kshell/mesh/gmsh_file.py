@@ -69,13 +69,14 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
         tags, points = msh_old.read_nodes(found["Nodes"])
         blocks = msh_old.read_cells(found["Elements"], old_entities)
     else:
-        entities: msh4.TagsOfEntity = {}
+        entities = msh4.Entities()
         if "Entities" in found:
-            entities |= msh4.read_entities(found["Entities"], binary, byte_order)
+            msh4.read_entities(found["Entities"], binary, byte_order, entities)
         if "PartitionedEntities" in found:
-            entities |= msh4.read_partitioned_entities(found["PartitionedEntities"], binary, byte_order)
+            msh4.read_partitioned_entities(found["PartitionedEntities"], binary, byte_order, entities)
         tags, points = msh4.read_nodes(found["Nodes"], binary, byte_order)
         blocks = msh4.read_cells(found["Elements"], binary, byte_order, entities)
+        _require_all_parts(blocks, entities.parts, source)
     names = _physical_names(found["PhysicalNames"]) if "PhysicalNames" in found else {}
     if not names and not any(block.tags for block in blocks):
         blocks = [replace(block, tags=block.entity) for block in blocks]
@@ -86,6 +87,16 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
             )
         return raw
     return _raw_mesh(tags, points, blocks, names, source)
+
+
+def _require_all_parts(blocks: list[CellBlock], parts: int, source: str) -> None:
+    """Raise InputError for one of the files that hold a mesh together."""
+    there = {block.part for block in blocks if block.cell_type in TRIANGLES + QUADRILATERALS}
+    if parts > 1 and len(there - {0}) == 1:
+        raise InputError(
+            f"{source}: holds part {min(there - {0})} of {parts} alone, which gmsh wrote into a file for each. Save "
+            "the mesh in one file: without -part_split, or `Mesh.PartitionSplitMeshFiles = 0;`"
+        )
 
 
 def _format(section: Section) -> tuple[str, bool, str]:
@@ -141,6 +152,7 @@ def _raw_mesh(
     if len(node_tags) > read:
         number = _NodeNumbers(node_tags, source)
     triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]
+    parts: list[Ints] = []
     segments = n_triangles = 0
     other: dict[str, int] = defaultdict(int)
     cells: dict[tuple[int, int], list[Ints]] = {key: [] for key in names if key[0] <= 2}
@@ -149,6 +161,7 @@ def _raw_mesh(
             dimension = 2
             triangles.append(_turned(number.of(block.nodes), block.tags))
             members = np.arange(n_triangles, n_triangles + len(block.nodes))
+            parts.append(np.full(len(members), block.part))
             n_triangles += len(block.nodes)
         elif block.cell_type in LINES:
             dimension = 1
@@ -169,6 +182,9 @@ def _raw_mesh(
         for tag in {abs(tag) for tag in block.tags}:
             cells.setdefault((2, tag), []).append(n_triangles + rows)
     triangles += quad_triangles
+    parts.append(np.zeros(sum(map(len, quad_triangles)), dtype=np.int64))
+    for block, rows in members_of:
+        parts[-1][rows] = block.part
 
     width = max(t.shape[1] for t in triangles)
     stacked = np.concatenate(
@@ -179,7 +195,9 @@ def _raw_mesh(
         RawGroup(names.get((dimension, tag), ""), dimension, np.concatenate([*found, empty[dimension]]), tag)
         for (dimension, tag), found in sorted(cells.items())
     ]
-    return RawMesh(points, stacked, groups, source, dict(other), segments, [*high, *notes], higher)
+    part = np.concatenate(parts)
+    divided = part - 1 if part.max(initial=0) > 0 and part.min(initial=1) > 0 else None
+    return RawMesh(points, stacked, groups, source, dict(other), segments, [*high, *notes], higher, divided)
 
 
 def _quadrilaterals(

@@ -38,6 +38,9 @@ class Mesh(Triangulation):
         Of flat triangles that stand for a curved surface.
     higher : Higher or None
         All nodes of triangles of order 3 and 4 of a file: their geometry has that order.
+    parts : (triangle,) int array or None
+        Of a file that gmsh has divided: the part of each triangle, from 0, which is the process that has it if there
+        are as many.
     """
 
     @classmethod

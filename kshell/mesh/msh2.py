@@ -86,21 +86,27 @@ def _from_binary(section: Section, numbers: Ints, n: int) -> list[CellBlock]:
 
 
 def _blocks(numbers: Ints, types: Ints, n_tags: Ints, tags_at: Ints) -> list[CellBlock]:
-    """Cells with their first tag at `tags_at`, gathered by type, number of tags and physical tag."""
+    """Cells with their first tag at `tags_at`, gathered by type, number of tags, physical tag and part.
+
+    The tags are: physical, curve or surface, then of a divided mesh the number of parts, the own one, and those that it
+    is a neighbour of, negative.
+    """
     if not len(types):
         return []
     physical = np.where(n_tags > 0, numbers[np.minimum(tags_at, len(numbers) - 1)], 0)
+    part = np.where(n_tags > 3, numbers[np.minimum(tags_at + 3, len(numbers) - 1)], 0)
     base = int(physical.min())
     key = (types * (n_tags.max() + 1) + n_tags) * (int(physical.max()) - base + 1) + physical - base
+    key = key * (int(part.max()) - int(part.min()) + 1) + part - int(part.min())
     _, first, group = np.unique(key, return_index=True, return_inverse=True)
-    labels = np.stack([types, n_tags, physical], axis=1)[first]
+    labels = np.stack([types, n_tags, physical, part], axis=1)[first]
     order = np.argsort(group, kind="stable")
     ends = np.cumsum(np.bincount(group, minlength=len(labels)))
     blocks = []
-    for (cell_type, tags, tag), cells in zip(labels.tolist(), np.split(order, ends[:-1]), strict=True):
+    for (cell_type, tags, tag, own), cells in zip(labels.tolist(), np.split(order, ends[:-1]), strict=True):
         nodes_at = tags_at[cells] + tags
         nodes = numbers[nodes_at[:, None] + np.arange(NODES_OF_TYPE[cell_type])]
-        blocks.append(CellBlock(cell_type, nodes, (tag,) if tag else ()))
+        blocks.append(CellBlock(cell_type, nodes, (tag,) if tag else (), part=own))
     return blocks
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,36 +15,68 @@ Floats = NDArray[np.float64]
 TagsOfEntity = dict[tuple[int, int], tuple[int, ...]]
 
 
-def read_entities(section: Section, binary: bool, byte_order: str) -> TagsOfEntity:
-    """Physical tags of each entity (dimension, tag)."""
+@dataclass
+class Entities:
+    """The points, curves and surfaces that cells lie on, by (dimension, number).
+
+    A divided mesh has pieces of them, with numbers of their own, and copies of neighbours ("ghosts") in surfaces that
+    are no pieces.
+
+    Attributes
+    ----------
+    tags : dict to tuple of int
+        Physical tags.
+    origin : dict to (dimension, number)
+        What each is a piece of.
+    part : dict to int
+        The part that each belongs to, from 1.
+    parts : int
+        How many there are.
+    ghosts : set of int
+        Numbers of surfaces of copies.
+    """
+
+    tags: TagsOfEntity = field(default_factory=dict)
+    origin: dict[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
+    part: dict[tuple[int, int], int] = field(default_factory=dict)
+    parts: int = 0
+    ghosts: set[int] = field(default_factory=set)
+
+    def numbered(self, key: tuple[int, int]) -> tuple[int, ...]:
+        """The number of the curve or surface of cells; none of a line between parts, which lies on a surface."""
+        dimension, number = self.origin.get(key, key)
+        return (number,) if 0 < dimension == key[0] and key in self.tags else ()
+
+
+def read_entities(section: Section, binary: bool, byte_order: str, out: Entities) -> None:
+    """Add what a mesh lies on."""
     numbers = Numbers(section, binary, byte_order)
     counts = numbers.integers("size", 4).tolist()
-    return _entities(numbers, counts, partitioned=False)
+    _entities(numbers, counts, out, divided=False)
 
 
-def read_partitioned_entities(section: Section, binary: bool, byte_order: str) -> TagsOfEntity:
-    """Physical tags of the pieces into which a partitioned mesh divides its entities."""
+def read_partitioned_entities(section: Section, binary: bool, byte_order: str, out: Entities) -> None:
+    """Add the pieces into which a divided mesh cuts that."""
     numbers = Numbers(section, binary, byte_order)
-    numbers.integer("size")  # number of partitions
-    numbers.integers("int", 2 * numbers.integer("size"))  # ghost entities
+    out.parts = numbers.integer("size")
+    out.ghosts = set(numbers.integers("int", 2 * numbers.integer("size")).tolist()[::2])
     counts = numbers.integers("size", 4).tolist()
-    return _entities(numbers, counts, partitioned=True)
+    _entities(numbers, counts, out, divided=True)
 
 
-def _entities(numbers: Numbers, counts: list[int], partitioned: bool) -> TagsOfEntity:
-    tags: TagsOfEntity = {}
+def _entities(numbers: Numbers, counts: list[int], out: Entities, divided: bool) -> None:
     for dimension, number in enumerate(counts):
         for _ in range(number):
-            entity = numbers.integer()
-            if partitioned:
-                numbers.integers("int", 2)  # parent
-                numbers.integers("int", numbers.integer("size"))  # partitions
+            key = (dimension, numbers.integer())
+            if divided:
+                parent, origin = numbers.integers("int", 2).tolist()
+                out.origin[key] = (parent, origin)
+                out.part[key] = next(iter(numbers.integers("int", numbers.integer("size")).tolist()), 0)
             numbers.doubles(3 if dimension == 0 else 6)  # where it lies
-            tags[dimension, entity] = tuple(numbers.integers("int", numbers.integer("size")).tolist())
+            out.tags[key] = tuple(numbers.integers("int", numbers.integer("size")).tolist())
             if dimension > 0:
                 numbers.integers("int", numbers.integer("size"))  # what bounds it
     numbers.end()
-    return tags
 
 
 def read_nodes(section: Section, binary: bool, byte_order: str) -> tuple[Ints, Floats]:
@@ -63,11 +97,11 @@ def read_nodes(section: Section, binary: bool, byte_order: str) -> tuple[Ints, F
     return all_tags, all_points
 
 
-def read_cells(section: Section, binary: bool, byte_order: str, tags: TagsOfEntity) -> list[CellBlock]:
-    """Cells by entity, with the physical tags of the entity."""
+def read_cells(section: Section, binary: bool, byte_order: str, entities: Entities) -> list[CellBlock]:
+    """Cells by entity, with the physical tags of the entity; without copies of those of other parts."""
     numbers = Numbers(section, binary, byte_order, whole=True)
     n_blocks, n_cells = numbers.integers("size", 4)[:2].tolist()
-    blocks = []
+    blocks, found = [], 0
     for _ in range(n_blocks):
         dimension, entity, cell_type = numbers.integers("int", 3).tolist()
         n = numbers.integer("size")
@@ -75,9 +109,12 @@ def read_cells(section: Section, binary: bool, byte_order: str, tags: TagsOfEnti
             raise section.fail(f"holds cells of the unknown type {cell_type}")
         width = 1 + NODES_OF_TYPE[cell_type]
         nodes = numbers.integers("size", n * width).reshape(n, width)[:, 1:]
-        number = (entity,) if dimension > 0 and (dimension, entity) in tags else ()
-        blocks.append(CellBlock(cell_type, nodes, tags.get((dimension, entity), ()), number))
+        key, found = (dimension, entity), found + n
+        if dimension == 2 and entity in entities.ghosts:
+            continue
+        tags, part = entities.tags.get(key, ()), entities.part.get(key, 0)
+        blocks.append(CellBlock(cell_type, nodes, tags, entities.numbered(key), part))
     numbers.end()
-    if sum(len(block.nodes) for block in blocks) != n_cells:
-        raise section.fail(f"announces {n_cells} cells but holds {sum(len(block.nodes) for block in blocks)}")
+    if found != n_cells:
+        raise section.fail(f"announces {n_cells} cells but holds {found}")
     return blocks

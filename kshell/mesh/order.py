@@ -70,4 +70,5 @@ def in_spatial_order(mesh: Mesh) -> tuple[Mesh, NDArray[np.int64]]:
         name: Group(group.dimension, np.sort(maps[group.dimension][group.members]).astype(np.int32))
         for name, group in mesh.groups.items()
     }
-    return changed(result, midpoints=midpoints, groups=groups, higher=mesh.higher), order
+    parts = None if mesh.parts is None else mesh.parts[triangle_order]
+    return changed(result, midpoints=midpoints, groups=groups, higher=mesh.higher, parts=parts), order

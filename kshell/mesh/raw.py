@@ -56,6 +56,8 @@ class RawMesh:
     notes : list of str
     higher : Higher or None
         Nodes of triangles of order 3 and 4.
+    parts : (triangle,) int array or None
+        Of a file that is divided: the part of each triangle, from 0.
     """
 
     points: NDArray[np.float64]
@@ -66,3 +68,4 @@ class RawMesh:
     segments: int = 0
     notes: list[str] = field(default_factory=list)
     higher: Higher | None = None
+    parts: NDArray[np.int64] | None = None

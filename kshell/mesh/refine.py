@@ -89,10 +89,11 @@ def bisect(
     order = np.argsort(parent, kind="stable")
     children, parent = children[order], parent[order]
     triangles = np.take_along_axis(nodes[parent], children, axis=1).astype(np.int32)
-    fine = replace(mesh, points=points, triangles=triangles, midpoints=None, groups={})
+    fine = replace(mesh, points=points, triangles=triangles, midpoints=None, groups={}, parts=None)
+    parts = None if mesh.parts is None else mesh.parts[parent]
     midpoints = None if mesh.midpoints is None else _midpoints(mesh, fine, children, parent)
     groups = {name: _refined_group(mesh, fine, group, vertex, parent) for name, group in mesh.groups.items()}
-    return Refined(changed(fine, midpoints=midpoints, groups=groups), parent)
+    return Refined(changed(fine, midpoints=midpoints, groups=groups, parts=parts), parent)
 
 
 def bisect_around(mesh: Mesh, vertices: NDArray[np.integer], times: int) -> Mesh:

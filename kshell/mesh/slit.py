@@ -62,6 +62,7 @@ def slit(mesh: Mesh, on: str | Sequence[str]) -> Mesh:
         notes=(*mesh.notes, f"cut open along {where}: {count(doubled, 'vertex', 'vertices')} doubled"),
         curving=mesh.curving,
         higher=mesh.higher,
+        parts=mesh.parts,
     )
 
 

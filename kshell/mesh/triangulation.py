@@ -109,6 +109,8 @@ class Triangulation:
         Of flat triangles that stand for a curved surface.
     higher : Higher or None
         All nodes of triangles of order 3 and 4 of a file, see `kshell.mesh.higher`.
+    parts : (triangle,) int array or None
+        Of a file that gmsh has divided: the part of each triangle, from 0.
     """
 
     points: Floats
@@ -119,6 +121,7 @@ class Triangulation:
     source: str = "mesh"
     curving: Curving | None = None
     higher: Higher | None = None
+    parts: Ints | None = None
 
     @property
     def order(self) -> int:

@@ -415,3 +415,14 @@ def test_an_error_of_the_first_reaches_the_others_with_its_last_state() -> None:
     assert first.state is alone
     assert isinstance(other.state, Told)
     assert other.state.probes["p"]["u"].tolist() == alone.probes["p"]["u"].tolist()
+
+
+def test_parts_of_the_file_are_those_of_the_processes() -> None:
+    mesh = roof()
+    given = np.arange(len(mesh.triangles)) % 3
+    divided = replace(mesh, parts=given)
+    np.testing.assert_array_equal(partition(divided, 3, share_of_first(3)), given)
+    other = partition(divided, 4)
+    np.testing.assert_array_equal(other, partition(mesh, 4))
+    empty = replace(mesh, parts=np.minimum(given, 1))  # the last one has nothing
+    np.testing.assert_array_equal(partition(empty, 3), partition(mesh, 3))

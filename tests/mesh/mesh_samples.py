@@ -27,6 +27,8 @@ def write_with_gmsh(
     save_all: bool,
     partitions: int = 0,
     parametric: bool = False,
+    groups: bool = True,
+    split: bool = False,
 ) -> None:
     """Two unit squares side by side: overlapping groups, an interior curve, two groups on one curve, a "
     "point."""
@@ -43,7 +45,7 @@ def write_with_gmsh(
         left = geo.addPlaneSurface([geo.addCurveLoop([c[0], c[1], c[2], c[3]])])
         right = geo.addPlaneSurface([geo.addCurveLoop([c[4], c[5], c[6], -c[1]])])
         geo.synchronize()
-        group = gmsh.model.addPhysicalGroup
+        group = gmsh.model.addPhysicalGroup if groups else lambda *given: None
         group(2, [left, right], 1, "all")
         group(2, [right], 2, "right half")
         group(1, [c[1]], 3, "middle")
@@ -59,6 +61,7 @@ def write_with_gmsh(
         gmsh.option.setNumber("Mesh.Binary", int(binary))
         gmsh.option.setNumber("Mesh.SaveParametric", int(parametric))
         gmsh.option.setNumber("Mesh.SaveAll", int(save_all))
+        gmsh.option.setNumber("Mesh.PartitionSplitMeshFiles", int(split))
         gmsh.write(str(path))
     finally:
         gmsh.finalize()

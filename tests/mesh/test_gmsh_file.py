@@ -11,6 +11,8 @@ import pytest
 
 from kshell.errors import InputError
 from kshell.mesh import check, read_mesh, select
+from kshell.mesh.order import in_spatial_order
+from kshell.mesh.refine import bisect
 from tests.mesh.mesh_samples import EXPECTED_GROUPS, group_places, msh2_text, write_with_gmsh
 
 VARIANTS = [(2.2, b, o, False) for b in (0, 1) for o in (1, 2)] + [
@@ -62,6 +64,48 @@ def test_partitioned_files(tmp_path, version, binary):
     measures = {group.name: group.measure for group in check.summary(mesh).groups}
     for name, (_, measure) in EXPECTED_GROUPS.items():
         assert measures[name] == pytest.approx(measure, rel=1e-9)
+    whole = tmp_path / "whole.msh"
+    write_with_gmsh(whole, version, binary, 1, False)
+    assert len(mesh.triangles) == len(read_mesh(whole).triangles)  # no copies of neighbours
+    assert read_mesh(whole).parts is None
+    sizes = np.bincount(mesh.parts)
+    assert len(sizes) == 3
+    assert sizes.min() >= 0.6 * sizes.mean()
+
+
+def test_parts_stay_with_their_triangles(tmp_path):
+    path = tmp_path / "partitioned.msh"
+    write_with_gmsh(path, 4.1, False, 1, False, partitions=3)
+    mesh = read_mesh(path)
+    moved, _ = in_spatial_order(mesh)
+    fine = bisect(mesh, np.arange(len(mesh.triangles))).mesh
+
+    def middles(mesh):
+        """Where the parts are: a part of equal triangles has its middle in the mean of theirs."""
+        centres, weights = mesh.points[mesh.triangles].mean(axis=1), mesh.areas[:, None]
+        return [(centres * weights)[mesh.parts == k].sum(axis=0) for k in range(3)]
+
+    np.testing.assert_allclose(middles(moved), middles(mesh), atol=1e-12)
+    np.testing.assert_allclose(middles(fine), middles(mesh), atol=1e-12)
+
+
+@pytest.mark.parametrize("version", [2.2, 4.1])
+def test_pieces_of_entities_count_as_these(tmp_path, version):
+    """Without physical groups curves and surfaces are called by their numbers, divided or not."""
+    found = []
+    for partitions in (0, 3):
+        path = tmp_path / f"{partitions}.msh"
+        write_with_gmsh(path, version, False, 1, False, partitions=partitions, groups=False)
+        found.append({group.name: group.measure for group in check.summary(read_mesh(path)).groups})
+    assert found[1] == pytest.approx(found[0], rel=1e-12)
+    assert len(found[0]) == (9 if version == 4.1 else 0)
+
+
+def test_one_of_several_files_is_refused(tmp_path):
+    path = tmp_path / "split.msh"
+    write_with_gmsh(path, 4.1, False, 1, False, partitions=3, split=True)
+    with pytest.raises(InputError, match=r"part 2 of 3 alone.*in one file"):
+        read_mesh(tmp_path / "split_2.msh")
 
 
 @pytest.mark.parametrize("binary", [False, True])
