@@ -70,7 +70,8 @@ class Arc:
         return np.asarray(x + 1j * y)
 
     def _back(self, numbers: NDArray[np.complex128]) -> Floats:
-        return np.asarray(np.stack([numbers.real, numbers.imag], axis=-1) @ np.linalg.inv(self.map).T)
+        both = np.stack([numbers.real, numbers.imag], axis=-1)
+        return both if self.circular else np.asarray(both @ np.linalg.inv(self.map).T)
 
 
 def arc_of(nodes: Floats, step: int, rounding: float, fewest: int = FEWEST_ALONE) -> Arc | None:

@@ -143,6 +143,9 @@ def _extent(mesh: Mesh, piece: Ints, count: int) -> tuple[Floats, Floats]:
         middle = x.mean(axis=0)
         return middle[None], np.abs(x - middle).max(keepdims=True)[0]
     corners = mesh.points[mesh.triangles, :2].reshape(-1, 2)
+    if count == 1:
+        middle = corners.sum(axis=0) / len(corners)
+        return middle[None], np.abs(corners - middle).max(keepdims=True)[0]
     label = np.repeat(piece, 3)
     number = np.bincount(label, minlength=count)
     centre = np.stack([np.bincount(label, corners[:, k], count) / number for k in range(2)], axis=1)

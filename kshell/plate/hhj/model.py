@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from kshell.elements.morley import ElementMorley
 from kshell.equilibrium.model import Model, Solved
 from kshell.errors import InputError, SolveError
+from kshell.mesh.distinct import distinct
 from kshell.mesh.words import place
 from kshell.plate.answer import NODAL_VALUES, UNBALANCED, Above, cell_fields, vertex_fields
 from kshell.plate.hhj import translate
@@ -200,8 +201,11 @@ def _require_straight_lines(problem: PlateProblem) -> None:
     """Refuse supports along curved lines inside, which this element would hold on chords."""
     mesh = problem.mesh
     for group in problem.supports.held:
-        edges = np.union1d(group.line, group.edges).astype(np.int32)
-        curves = edge_curves(mesh, edges[mesh.edge_counts[edges] > 1])
+        edges = distinct(len(mesh.edges), group.line, group.edges)
+        inside = edges[mesh.edge_counts[edges] > 1].astype(np.int32)
+        if not len(inside):
+            continue
+        curves = edge_curves(mesh, inside)
         if curves.curved.any():
             bent = curves.edges[int(np.abs(curves.shape).max(axis=(1, 2)).argmax())]
             raise InputError(
