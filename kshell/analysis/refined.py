@@ -50,7 +50,7 @@ LITTLE = (
 GAINLESS = 3  # such levels in a row, after which refining ends
 GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
 QUARTICS = "order 4: quartics follow a chart so closely that its shape takes no triangles of its own"
-CHOICES = ("kind ", "element ", "order ", "linear: the largest deflection")
+CHOICES = ("kind ", "element ", "order ", "top: ", "linear: the largest deflection")
 BYTES, BYTES_MORLEY = 30e3, 4e3  # memory of a solve and its estimate for each unknown, about
 
 
@@ -222,7 +222,7 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
     each = BYTES_MORLEY if level.model.element == "morley" else BYTES
     if peak_bytes() + GROWTH * each * level.unknowns > allowed:
         return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
-    if not np.isfinite(level.half_width):
+    if level.assessment.told and not np.isfinite(level.half_width):
         return "what is asked for does not move, so no error of it is small"
     if level.shape > float(options.tolerance) and level.half_width <= LITTLE * level.shape:
         shape = max(loop.frozen, loop.cut)

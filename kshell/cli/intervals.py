@@ -12,8 +12,10 @@ if TYPE_CHECKING:
 
 
 def interval_lines(result: Result) -> Iterator[str]:
-    """One line each; none where nothing was estimated."""
+    """One line each; none where nothing was to be estimated."""
     error = result.error
+    if error["kind"] == "none" and error.get("why_not"):
+        yield f"no interval: {error['why_not']}"
     for name, found in error.get("probes", {}).items():
         yield f"{name}: {_displacement(result, name, found['u'])}"
     energy = error.get("energy")

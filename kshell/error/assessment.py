@@ -75,6 +75,8 @@ class Assessment:
         Share of the loads that is missed because they change faster than they are integrated.
     why_not : str
         Why there is no proof, or no estimate.
+    told : bool
+        Whether the solution tells its error at all; intervals are infinite otherwise, and marks say what to refine.
     """
 
     energy: Estimate | None = None
@@ -86,6 +88,7 @@ class Assessment:
     size: float = 0.0
     loads: float = 0.0
     why_not: str = ""
+    told: bool = True
 
     def quantities(self, wanted: str | None) -> list[str]:
         """The quantities that a word means: "energy", "probes", the name of a probe, or None for what there is."""
@@ -102,6 +105,12 @@ class Assessment:
             return self.probes[quantity].relative
         assert self.energy is not None
         return _ratio(self.energy.half_width, abs(self.energy.value))
+
+    def _known(self, quantity: str) -> bool:
+        """Whether its interval is finite."""
+        if quantity != ENERGY:
+            return bool(np.isfinite(self.probes[quantity].half_width).all())
+        return self.energy is not None and bool(np.isfinite(self.energy.half_width))
 
     def floor(self, quantity: str, triangles: NDArray[np.bool_]) -> float:
         """What would be left of `relative` at least if some triangles stayed as they are."""
@@ -173,13 +182,14 @@ class Assessment:
         if named:
             relative = self.relative(named[0])
             error["estimate"] = relative if np.isfinite(relative) else None
-            error["kind"] = self.kind(named[0])
-        if self.energy is not None:
+            error["kind"] = self.kind(named[0]) if self._known(named[0]) else "none"
+        if self.energy is not None and self._known(ENERGY):
             e = self.energy
             error["energy"] = {"lower": e.lower, "upper": e.upper, "kind": e.kind}
         error["probes"] = {
             name: {"u": {"half_width": p.half_width, "expected": p.expected, "kind": p.kind}}
             for name, p in self.probes.items()
+            if self._known(name)
         }
         for name, p in self.probes.items():
             if not np.array_equal(p.value, result.motion_at_probe(name)):

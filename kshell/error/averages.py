@@ -51,6 +51,10 @@ class Averages:
     ----------
     problem : ShellProblem
         Of the Koiter element.
+
+    Attributes
+    ----------
+    area : (triangle,)
     """
 
     def __init__(self, problem: ShellProblem) -> None:
@@ -74,7 +78,8 @@ class Averages:
         position = np.einsum(
             "pn,tnx->tpx", lagrange(surface.order, nodes), surface.nodes[surface.triangle_nodes]
         )
-        self._fits = CornerFits(mesh, pieces, degree, position, at.axes)
+        self._fits = CornerFits(mesh.triangles, mesh.triangle_edges, pieces, degree, position, at.axes)
+        self._untold = self._fits.untold(surface.order)
         self.area: Floats = at.area.mean(axis=1) / 2.0
         self._weight = np.repeat(self.area, node.shape[1])
         self._total = np.bincount(self.number.ravel(), self._weight)
@@ -89,6 +94,11 @@ class Averages:
         values = lagrange(degree, xi)
         self._mass = 2.0 * np.einsum("q,qi,qj->ij", weights, values, values)
 
+    @property
+    def told(self) -> bool:
+        """Whether the averages tell the error of every triangle."""
+        return not self._untold.any()
+
     def local(self, strain: Floats) -> Floats:
         """(triangle,) eta_T^2 of strains (triangle, 2 r)."""
         r = self._strains
@@ -99,7 +109,9 @@ class Averages:
         off = [self._off(tensor) for tensor in self._at.forces(covariant, contravariant)]
         both = np.concatenate(off, axis=2)  # (triangle, node, 6) in the material axes of the middle
         energy = (self._mass @ both @ self._compliance * both).sum(axis=(1, 2))
-        return np.asarray(np.maximum(self.area * energy, 0.0))
+        own = np.asarray(np.maximum(self.area * energy, 0.0))
+        own[self._untold] = own.max()  # these first
+        return own
 
     def _off(self, tensor: Floats) -> Floats:
         """(triangle, node, 3) a tensor in the axes of its nodes less its average, in the axes of the middle."""

@@ -50,7 +50,8 @@ class Conforming:
         self.element = problem.element
         affine = AffineTriangles.of_arrays(problem.domain.points, triangles.corners)
         self.transform = self.element.transformation(affine)  # (T, 21, 21)
-        vertex = layout.vertex_dofs(triangles.corners.ravel()).reshape(len(triangles), -1)
+        fans = np.take_along_axis(layout.fans.corner, triangles.order, axis=1)
+        vertex = layout.fan_dofs(fans.ravel()).reshape(len(triangles), -1)
         self.dofs: Ints = np.concatenate([vertex, layout.edge_dofs(triangles.edges)], axis=1)
         self.reduction = problem.reduction.matrix().tocsr()
         self.particular = problem.reduction.particular

@@ -1,4 +1,4 @@
-"""Tensors at corners of a shell where a triangle is alone: averages would be its own values.
+"""Tensors at corners where a triangle is alone: averages would be its own values.
 
 Where triangles meet, they differ by about their error. A triangle with two edges on the boundary shares the nodes of
 its third edge only: under a force on its corner (a quarter of a pulled hemisphere, an eighth of a pinched cylinder)
@@ -14,6 +14,11 @@ Symbols
 P     monomials of the position in the tangent plane of a vertex, relative to the size of its triangles
 R     (2, 2) takes components in one frame to those in another
 
+A triangle that is a piece by itself, such as a facet of a pyramid, would be followed exactly by its own polynomial; it
+is fitted by one of a degree less. That holds for orders of 3 and more (8 pyramids of one triangle a facet, triangular
+plates, plates of two triangles of different thickness); below, nothing tells how stiff such a triangle is, and with
+order 1 nothing tells it of two triangles that have but each other.
+
 Source: Zienkiewicz & Zhu, Int. J. Numer. Meth. Eng. 33 (1992) 1331-1364 (patches that reach further in at boundaries).
 """
 
@@ -24,12 +29,15 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.elements.reference import monomials
-from kshell.mesh.mesh import Mesh
 from kshell.shell.reference import EDGES
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+SINGLE = (
+    "a part of one smooth shape and one stiffness has one or two triangles, which tell nothing of their error with "
+    "elements of order 1 or 2: take order 3, or a finer mesh"
+)
 RANK = 1e-10  # of eigenvalues of the normal equations, below which a few triangles do not tell a coefficient
 
 
@@ -38,7 +46,8 @@ class CornerFits:
 
     Parameters
     ----------
-    mesh : Mesh
+    corners, edges : (triangle, 3) int arrays
+        Vertices 0, 1, 2 of each triangle, and its edges 01, 12, 02.
     pieces : (triangle,) int array
         Smooth pieces with one stiffness each: where two of them meet is a boundary of both.
     degree : int
@@ -54,8 +63,11 @@ class CornerFits:
         The boundary nodes of these triangles.
     """
 
-    def __init__(self, mesh: Mesh, pieces: Ints, degree: int, position: Floats, axes: Floats) -> None:
-        corner, edge, on_boundary = _numbered(mesh, pieces)
+    def __init__(
+        self, corners: Ints, edges: Ints, pieces: Ints, degree: int, position: Floats, axes: Floats
+    ) -> None:
+        corner, edge = _by_piece(corners, pieces), _by_piece(edges, pieces)
+        on_boundary = (np.bincount(edge.ravel()) == 1)[edge]
         alone = np.flatnonzero(on_boundary.sum(axis=1) > 1)
         vertices, place, fit_of = np.unique(corner[alone].ravel(), return_index=True, return_inverse=True)
         first = alone[place // 3], place % 3
@@ -68,6 +80,10 @@ class CornerFits:
         np.maximum.at(self._size, self._fit, np.abs(away).max(axis=(1, 2)))
         self._carry = carried(axes[self._member], self._frame[self._fit][:, None])
         self._p = monomials(degree, away / self._size[self._fit][:, None, None])
+        self._single = (np.bincount(corner.ravel()) == 1)[corner].all(axis=1)
+        shared = np.bincount(edge[alone].ravel(), minlength=int(edge.max()) + 1) > 1
+        self._pair = shared[edge].any(axis=1)
+        self._p[self._single[self._member], :, -(degree + 1) :] = 0.0  # the monomials of the highest degree
         normal = np.zeros((len(vertices), self._p.shape[2], self._p.shape[2]))
         np.add.at(normal, self._fit, self._p.swapaxes(1, 2) @ self._p)
         self._inverse = np.linalg.pinv(normal, rcond=RANK, hermitian=True)
@@ -79,6 +95,12 @@ class CornerFits:
             at = position[self.triangles, self.nodes] - self._origin[fit]
             p = monomials(degree, _in_plane(at, self._frame[fit]) / self._size[fit][:, None])
             self._ends.append((fit, p, carried(self._frame[fit], axes[self.triangles, self.nodes])))
+
+    def untold(self, order: int) -> NDArray[np.bool_]:
+        """(triangle,) whether elements of an order tell nothing of the error of a triangle."""
+        if order > 2:
+            return np.zeros_like(self._single)
+        return self._single if order == 2 else self._single | self._pair
 
     def values(self, tensor: Floats) -> Floats:
         """(n, 3) at the boundary nodes, in the frames of tensors (triangle, node, 3) there."""
@@ -114,14 +136,10 @@ def _in_plane(step: Floats, frame: Floats) -> Floats:
     return np.asarray((frame[..., :2, :] @ step[..., None])[..., 0])
 
 
-def _numbered(mesh: Mesh, pieces: Ints) -> tuple[Ints, Ints, NDArray[np.bool_]]:
-    """Corners and edges (triangle, 3) numbered piece by piece, and whether an edge has one triangle of its piece."""
-    out = []
-    for number, most in ((mesh.triangles, len(mesh.points)), (mesh.triangle_edges, len(mesh.edges))):
-        key = pieces[:, None] * most + number.astype(np.int64)
-        out.append(np.unique(key.ravel(), return_inverse=True)[1].reshape(key.shape))
-    corner, edge = out
-    return corner, edge, (np.bincount(edge.ravel()) == 1)[edge]
+def _by_piece(number: Ints, pieces: Ints) -> Ints:
+    """Numbers (triangle, 3) of corners or edges that differ from piece to piece."""
+    key = pieces[:, None] * (int(number.max()) + 1) + number.astype(np.int64)
+    return np.unique(key.ravel(), return_inverse=True)[1].reshape(key.shape).astype(np.int64)
 
 
 def _around(corner: Ints, edge: Ints, vertices: Ints) -> tuple[Ints, Ints]:

@@ -23,6 +23,7 @@ from kshell.elements.quadrature import triangle_rule
 from kshell.elements.reference import VERTICES
 from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, Assessment, Interval
+from kshell.error.corner_fits import SINGLE, CornerFits
 from kshell.error.curve_doubt import turns
 from kshell.error.estimate import Estimate
 from kshell.error.marking import doerfler
@@ -61,8 +62,9 @@ def assess_averages(
     else:
         averages = _Averages(problem, model.order, model.triangles.corners, model.triangles.edges)
         own, safety = averages.local(_moments(solved.own, averages.nodes)), SAFETY_HIGHER
-    out = Assessment(why_not=WHY_NOT)
-    half = 0.5 * safety * float(own.sum())
+    unknown = 0.0 if averages.told else np.inf
+    out = Assessment(why_not=WHY_NOT if averages.told else SINGLE, told=averages.told)
+    half = 0.5 * safety * float(own.sum()) + unknown
     out.energy = Estimate(result.strain_energy, half, half / (2.0 * safety), "estimated", WHY_NOT)
     out.marks[ENERGY], out.parts[ENERGY] = own, 0.5 * safety * own
     chosen = list(names)[:duals]
@@ -70,7 +72,7 @@ def assess_averages(
         dual = averages.local(moments)
         out.parts[name] = safety * np.sqrt(own * dual)
         width = float(out.parts[name].sum())
-        along = np.array([0.0, 0.0, width])
+        along = np.array([0.0, 0.0, width + unknown])
         value = result.motion_at_probe(name)
         out.probes[name] = Interval(value, along, along / (2.0 * safety), "estimated")
         out.marks[name] = goal_marks(own, dual)
@@ -113,15 +115,28 @@ class _Averages:
             + np.arange(len(corners) * inside).reshape(len(corners), inside),
         ]
         number = np.concatenate(parts, axis=1)
-        key = _kinds(problem, stiffness)[:, None] * (int(number.max()) + 1) + number
+        kinds = _kinds(problem, stiffness)
+        key = kinds[:, None] * (int(number.max()) + 1) + number
         _, number = np.unique(key.ravel(), return_inverse=True)
         self._number: Ints = number.reshape(key.shape)
+        position = np.zeros((len(corners), len(self.nodes), 3))
+        x = mesh.points[corners, :2]
+        sides = np.stack([x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]], axis=1)
+        position[..., :2] = x[:, :1] + self.nodes @ sides
+        axes = np.broadcast_to(np.eye(3), (*position.shape, 3))
+        self._fits = CornerFits(corners, edges, kinds, degree, position, axes)
+        self._untold = self._fits.untold(order)
         self._area = mesh.areas
         self._weight = np.repeat(mesh.areas, len(self.nodes))
         self._total = np.bincount(self._number.ravel(), self._weight)
         xi, w = triangle_rule(2 * degree)
         values = orthonormal(degree, xi) @ np.linalg.inv(orthonormal(degree, self.nodes))
         self._mass = 2.0 * np.einsum("q,qi,qj->ij", w, values, values)
+
+    @property
+    def told(self) -> bool:
+        """Whether the averages tell the error of every triangle."""
+        return not self._untold.any()
 
     def local(self, moments: Floats) -> Floats:
         """(T,) eta_T^2 of moments (T, node, 3)."""
@@ -130,8 +145,12 @@ class _Averages:
             [np.bincount(place, self._weight * column) / self._total for column in moments.reshape(-1, 3).T],
             axis=1,
         )
-        off = moments - mean[self._number]
-        return np.asarray(self._area * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2)))
+        average = mean[self._number]
+        average[self._fits.triangles, self._fits.nodes] = self._fits.values(moments)
+        off = moments - average
+        own = np.asarray(self._area * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2)))
+        own[self._untold] = own.max()  # these first
+        return own
 
 
 def _nodes(degree: int) -> Floats:

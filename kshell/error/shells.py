@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kshell.equilibrium.problem import State
 from kshell.error.assessment import ENERGY, Assessment, Interval
 from kshell.error.averages import Averages
+from kshell.error.corner_fits import SINGLE
 from kshell.error.estimate import Estimate
 from kshell.error.geometry_share import (
     curvature_of_triangles,
@@ -107,8 +108,9 @@ def _assess(
     basis = problem.reduction.basis
     own = averages.local(strain)
     total = float(own.sum())
-    out = Assessment(why_not=WHY_NOT)
-    half = 0.5 * safety * total
+    out = Assessment(why_not=WHY_NOT if averages.told else SINGLE, told=averages.told)
+    unknown = 0.0 if averages.told else np.inf
+    half = 0.5 * safety * total + unknown
     out.energy = Estimate(result.strain_energy, half, half / (2.0 * safety), "estimated", WHY_NOT)
     out.marks[ENERGY] = own
     out.parts[ENERGY] = 0.5 * safety * own
@@ -123,13 +125,13 @@ def _assess(
         if len(moving) > left:
             break
         left -= len(moving)
-        width = np.zeros(3)
+        width = np.full(3, unknown)
         mark = np.zeros(len(own))
         for k in moving:
             if (name, k) not in kept:
                 kept[name, k] = averages.local(strain_of(basis @ solve(rows[k])))
             both = np.sqrt(own * kept[name, k])
-            width[k] = safety * float(both.sum())
+            width[k] = safety * float(both.sum()) + unknown
             mark += both
         value = result.motion_at_probe(name)
         out.probes[name] = Interval(value, width, width / (2.0 * safety), "estimated")

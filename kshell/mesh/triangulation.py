@@ -65,11 +65,14 @@ class Curving:
     reason : str
         Why.
     warnings : tuple of str
+    polygonal : bool
+        Whether the flat triangles are the shape itself: flat parts, and true folds where they meet.
     """
 
     order: int
     reason: str
     warnings: tuple[str, ...] = ()
+    polygonal: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from kshell.errors import clipped
 
+ROUNDING = 1e-12  # of the largest coordinate of a place, below which others are zero
+
 
 def shown(value: Any) -> str:
     """A value in a message as Python writes it, cut where it is long."""
@@ -39,8 +41,9 @@ def is_folder(path: Path) -> bool:
 
 
 def place(point: ArrayLike) -> str:
-    """Coordinates as the user writes them; z is left out where it is zero."""
+    """Coordinates as the user writes them, without rounding; z is left out where it is zero."""
     x = np.asarray(point, dtype=float).ravel()
+    x = np.where(np.abs(x) < ROUNDING * np.abs(x).max(initial=0.0), 0.0, x)
     if len(x) == 3 and x[2] == 0.0:
         x = x[:2]
     return "(" + ", ".join(f"{c + 0.0:.6g}" for c in x) + ")"

@@ -127,7 +127,7 @@ class PlateModel(MovingModel):
         problem = self.problem
         pattern = Pattern(problem.reduction)
         found = assemble(problem.inertia, [], problem.domain, problem.reduction, pattern).matrix
-        if not found.diagonal().any():
+        if self.unknowns and not found.diagonal().any():
             raise InputError(NO_DENSITY)
         return found
 
@@ -198,6 +198,8 @@ class PlateModel(MovingModel):
         return prepare(self.problem.assembled.matrix, self.problem.space, solver)
 
     def respond(self, load: Floats) -> Floats:
+        if self.unknowns == 0:
+            return np.zeros_like(load)
         for prepared in self._prepared.values():
             if isinstance(prepared, Factorisation):
                 x = np.asarray(prepared.apply(load), dtype=np.float64)

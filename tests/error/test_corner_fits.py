@@ -44,7 +44,7 @@ def test_polynomials_come_back(degree: int) -> None:
     x, y = position[..., 0], position[..., 1]
     tensor = np.stack([x**degree, 1.0 + x * y ** (degree - 1), 2.0 - y], axis=-1) + right[:, None, None]
     local = turned(tensor, axes[..., :2, :2])
-    fits = CornerFits(mesh, right, degree, position, axes)
+    fits = CornerFits(mesh.triangles, mesh.triangle_edges, right, degree, position, axes)
     assert fits.values(local) == pytest.approx(local[fits.triangles, fits.nodes], abs=1e-9)
     assert len(np.unique(fits.triangles)) >= 2
     assert len(fits.triangles) == len(np.unique(fits.triangles)) * (3 + 2 * (degree - 1))

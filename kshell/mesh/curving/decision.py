@@ -48,7 +48,7 @@ def curve(mesh: AnyMesh, thickness: Floats, facets: str = "auto", crease: float 
     found = rebuild(mesh, crease)
     polygon = _polygon(mesh, found, crease)
     if found.moved[found.curved].max(initial=0.0) <= MOVED * mesh.size:
-        return changed(mesh, curving=Curving(3, "flat parts and their folds", tuple(polygon)))
+        return changed(mesh, curving=Curving(3, "flat parts and their folds", tuple(polygon), not polygon))
     ratio, worst, at = _against_thickness(found, thickness)
     where = _middle(mesh, at)
     size = (

@@ -52,6 +52,7 @@ Ints = NDArray[np.integer]
 
 # neighbours that meet at a smaller angle belong to one smooth patch; flat facets of a curved surface meet at some
 FOLD = np.radians(10.0)
+FLAT = 1e-6
 FACET = np.radians(35.0)
 
 
@@ -140,6 +141,9 @@ class KoiterDiscretisation(Discretisation):
 
     @cached_property
     def _patches(self) -> Ints:
+        curving = self.surface.mesh.curving
+        if curving is not None and curving.polygonal and not self.true_shape:
+            return smooth_patches(self.surface, FLAT)
         return smooth_patches(self.surface, FOLD if self.true_shape else FACET)
 
     def largest_curvature(self) -> Floats:

@@ -1,0 +1,169 @@
+"""Parts of one or two triangles: what tells nothing of its error has no interval, all else holds the truth."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+import pytest
+
+import kshell as ks
+from kshell.mesh.halve import halved
+from kshell.mesh.mesh import Mesh
+from kshell.mesh.refine import bisect_around
+
+MATERIAL = ks.Isotropic(E=210e9, nu=0.3)
+EXACT = 1e-3  # tolerance of what stands for the truth
+
+
+def pyramid(sides: int, height: float) -> Mesh:
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rim = np.stack([np.cos(angle), np.sin(angle), np.zeros(sides)], axis=1)
+    points = np.concatenate([[[0.0, 0.0, height]], rim])
+    after = np.roll(np.arange(1, sides + 1), -1)
+    edges = np.stack([np.arange(1, sides + 1), after], axis=1)
+    triangles = np.concatenate([np.zeros((sides, 1), dtype=int), edges], axis=1)
+    return Mesh.from_arrays(points, triangles, {"rim": edges, "all": triangles})
+
+
+def quadrilateral() -> Mesh:
+    """Two triangles, with two edges at a vertex held."""
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.1, 0.9], [0.0, 1.0]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]])
+    groups = {"rim": np.array([[0, 1], [0, 3]]), "one": triangles[:1], "other": triangles[1:]}
+    return Mesh.from_arrays(points, triangles, groups)
+
+
+def triangle() -> Mesh:
+    points, corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.3, 0.9]]), np.array([[0, 1, 2]])
+    return Mesh.from_arrays(points, corners, {"rim": np.array([[0, 1], [1, 2], [0, 2]]), "plate": corners})
+
+
+def scene(mesh: Mesh, support: Any, probe: Any, **given: Any) -> ks.Scene:
+    content: dict[str, Any] = {"thickness": 0.02, "loads": [ks.Pressure(1e4)], "crease": 5.0} | given
+    return ks.Scene(mesh, material=MATERIAL, supports=[support], probes={"p": probe}, **content)
+
+
+def solved(of: ks.Scene, **options: Any) -> ks.Result:
+    return ks.solve(of, large_deflection=False, **options)
+
+
+def holds(result: ks.Result, exact: ks.Result) -> bool:
+    """Whether its intervals and those of a better answer have something in common."""
+    mine, its = result.error["energy"], exact.error["energy"]
+    width = [np.array(r.error["probes"]["p"]["u"]["half_width"]) for r in (result, exact)]
+    off = np.abs(np.subtract(result.probe("p")["u"], exact.probe("p")["u"]))
+    meets = mine["lower"] <= its["upper"] and its["lower"] <= mine["upper"]
+    return bool(meets and (off <= width[0] + width[1] + 1e-12 * off.max()).all())
+
+
+@pytest.mark.parametrize(("sides", "height"), [(4, 0.8), pytest.param(6, 2.0, marks=pytest.mark.full)])
+def test_facets_of_one_triangle(sides: int, height: float) -> None:
+    mesh = pyramid(sides, height)
+    of = scene(mesh, ks.Clamped("rim"), tuple(mesh.points[mesh.triangles[-1]].mean(axis=0)))
+    exact = solved(of, tolerance=EXACT, quantity="p")
+    assert exact.error["estimate"] <= EXACT
+    assert exact.strain_energy == pytest.approx(
+        solved(dataclasses.replace(of, mesh=halved(halved(halved(mesh)))), order=4).strain_energy, rel=1e-2
+    )
+    for order in (3, 4, 5):
+        assert holds(solved(of, order=order), exact)
+    for order in (1, 2):
+        error = solved(of, order=order).error
+        assert error["kind"] == "none"
+        assert error["estimate"] is None
+        assert "energy" not in error
+        assert not error["probes"]
+        assert "order 3" in error["why_not"]
+
+
+def test_a_named_order_that_tells_nothing_is_refined_until_it_does() -> None:
+    mesh = pyramid(4, 0.8)
+    of = scene(mesh, ks.Clamped("rim"), tuple(mesh.points[mesh.triangles[-1]].mean(axis=0)))
+    result = solved(of, order=2, tolerance=0.02, quantity="p")
+    assert result.error["estimate"] <= 0.02
+    assert result.error["levels"][0]["half_width"] is None
+    assert holds(result, solved(of, tolerance=EXACT, quantity="p"))
+
+
+ELEMENTS = [
+    ("morley", None),
+    ("argyris", None),
+    *[("hhj", p) for p in (1, 2, 3, 5)],
+    *[("koiter", p) for p in (1, 2, 3, 4)],
+]
+
+
+@pytest.mark.parametrize("thickness", [0.01, {"one": 0.01, "other": 0.02}], ids=["even", "stepped"])
+@pytest.mark.parametrize(
+    "support", [ks.Clamped("rim"), ks.SimplySupported("rim")], ids=["clamped", "supported"]
+)
+def test_plates_of_two_triangles(thickness: Any, support: Any) -> None:
+    of = scene(quadrilateral(), support, (0.45, 0.3, 0.0), thickness=thickness, loads=[ks.Pressure(100.0)])
+    exact = solved(of, tolerance=EXACT, quantity="p")
+    told = 0
+    for element, order in ELEMENTS:
+        result = solved(of, element=element, **({} if order is None else {"order": order}))
+        if result.error["kind"] != "none":
+            told += 1
+            assert holds(result, exact), (element, order)
+    assert told >= 5
+
+
+def test_nothing_can_move() -> None:
+    """One triangle with clamped edges, all of whose numbers are held: it stays, and the interval knows better."""
+    of = scene(triangle(), ks.Clamped("rim"), (0.45, 0.3, 0.0), loads=[ks.Pressure(100.0)])
+    exact = solved(of, tolerance=EXACT, quantity="p")
+    result = solved(of, element="argyris")
+    assert result.strain_energy == 0.0
+    assert holds(result, exact)
+    assert solved(of, element="morley").error["kind"] == "none"
+    heavy = dataclasses.replace(of, material=ks.Isotropic(E=210e9, nu=0.3, density=7850.0))
+    with pytest.raises(ks.InputError, match="there are only 0 modes"):
+        ks.modes(heavy, count=1, element="argyris")
+
+
+def test_stepped_plates_between_guaranteed_bounds() -> None:
+    """Second derivatives jump at a step, in the conforming side of the bounds, too."""
+    of = scene(
+        quadrilateral(),
+        ks.SimplySupported("rim"),
+        (0.45, 0.3, 0.0),
+        thickness={"one": 0.01, "other": 0.02},
+        loads=[ks.Pressure(100.0)],
+    )
+    result = solved(of, tolerance=1e-3, quantity="p")
+    assert result.error["kind"] == "guaranteed"
+    assert result.balance < 1e-9
+    other = solved(of, element="hhj", order=4, tolerance=1e-4, quantity="p")
+    assert holds(result, other)
+
+
+@pytest.mark.parametrize("degrees", [12.0, 25.0])
+def test_shallow_folds_between_flat_parts_are_folds(degrees: float) -> None:
+    """Not facets of a curve, over which forces and moments would be averaged and whose shape would be in doubt."""
+    turn = np.radians(degrees)
+    x = np.array([[0.0, 0.0], [1.0, 0.0], [1.0 + np.cos(turn), np.sin(turn)]])
+    points = np.array([[a, y, z] for a, z in x for y in (0.0, 1.0)])
+    triangles = np.array([[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]])
+    mesh = halved(Mesh.from_arrays(points, triangles, {"held": np.array([[0, 1]]), "all": triangles}))
+    of = scene(mesh, ks.Clamped("held"), tuple(points[4]), crease=30.0)
+    result = solved(of, tolerance=1e-3, quantity="p")
+    assert result.error["estimate"] <= 1e-3
+    assert result.error["budget"]["geometry"] == 0.0
+    assert holds(solved(of), result)
+
+
+def test_energy_of_small_triangles_that_move_far() -> None:
+    """Toward a free corner the matrix has no digits left for the energy; strains have."""
+    of = scene(quadrilateral(), ks.SimplySupported("rim"), (0.45, 0.3, 0.0), loads=[ks.Pressure(100.0)])
+    energy = [
+        solved(
+            dataclasses.replace(of, mesh=bisect_around(quadrilateral(), np.array([2]), times)),
+            element="argyris",
+            error="off",
+        ).strain_energy
+        for times in (8, 14)
+    ]
+    assert energy[1] == pytest.approx(energy[0], rel=1e-7)
