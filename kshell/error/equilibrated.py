@@ -10,6 +10,8 @@ loads of degree p.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,7 +29,7 @@ Ints = NDArray[np.int64]
 BLOCK = 1024
 
 
-def required_order(order: int, loads: list[LinearForm], springs: list[Form]) -> int:
+def required_order(order: int, loads: Sequence[LinearForm], springs: list[Form]) -> int:
     """The order p' that leaves no load over, for loads of known degree."""
     need = order
     for load in loads:
@@ -64,7 +66,7 @@ class Equilibrated:
     """
 
     def __init__(
-        self, system: HHJSystem, solution: HHJSolution, loads: list[LinearForm], springs: list[Form]
+        self, system: HHJSystem, solution: HHJSolution, loads: Sequence[LinearForm], springs: list[Form]
     ) -> None:
         self.system, self.solution = system, solution
         self.order = required_order(system.order, loads, springs)
@@ -79,12 +81,12 @@ class Equilibrated:
                 moments[chosen] += self._alone(chosen, left[chosen])
             self.moments = moments
 
-    def _left_over(self, loads: list[LinearForm], springs: list[Form]) -> Floats:
+    def _left_over(self, loads: Sequence[LinearForm], springs: list[Form]) -> Floats:
         """(T, n) F_T - F_T o I on the hierarchic basis of order p'."""
         parts = [self._tested(order, loads, springs) for order in (self.order, self.system.order)]
         return parts[0] - parts[1] @ canonical(self.system.order, self.order)
 
-    def _tested(self, order: int, loads: list[LinearForm], springs: list[Form]) -> Floats:
+    def _tested(self, order: int, loads: Sequence[LinearForm], springs: list[Form]) -> Floats:
         """(T, n) what acts along z on each triangle, on the hierarchic basis of an order."""
         system, triangles = self.system, self.system.triangles
         degree = max([load.degree or 0 for load in loads if isinstance(load, AreaLoad | EdgeLoad)], default=0)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending, Form
+from kshell.plate.layout import Layout
 from kshell.plate.loading import LinearForm
 from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.planes import less_planes
@@ -227,9 +228,18 @@ def residual(
             local = less_planes(domain, layout, triangles, d) if isinstance(form, Bending) else d[dofs]
             np.add.at(out, dofs, form.products(positions, transform, transform @ local[:, :, None]))
     for load in loads:
-        for positions, triangles in chunks(load, wanted):
-            transform = layout.element.transformation(domain.affine(triangles))
-            np.add.at(out, layout.triangle_dofs(triangles), -load.vectors(positions, transform))
+        out -= works(load, domain, layout, where)
+    return out
+
+
+def works(load: LinearForm, domain: Domain, layout: Layout, where: Ints) -> Floats:
+    """f (dof,) of one load, summed as in `residual`."""
+    out = np.zeros(layout.count)
+    wanted = np.zeros(len(layout.mesh.triangles), dtype=bool)
+    wanted[where] = True
+    for positions, triangles in chunks(load, wanted):
+        transform = layout.element.transformation(domain.affine(triangles))
+        np.add.at(out, layout.triangle_dofs(triangles), load.vectors(positions, transform))
     return out
 
 

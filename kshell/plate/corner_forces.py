@@ -20,6 +20,7 @@ an average of w, which converges like the deflection. The function dual to r^lam
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -79,7 +80,7 @@ class CornerForces:
         reduction: Reduction,
         supports: Supports,
         bending: Bending,
-        loads: list[LinearForm],
+        loads: Sequence[LinearForm],
         fields: Fields,
         kept: dict[Any, Any],
     ) -> None:

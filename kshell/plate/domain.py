@@ -157,6 +157,11 @@ class Domain:
         """Drop the maps of the last batches, 7 kB for each triangle of Argyris."""
         self._latest = []
 
+    @property
+    def few(self) -> bool:
+        """Whether there are so few triangles that what belongs to each of them may be kept."""
+        return len(self.mesh.triangles) <= MANY
+
     @cached_property
     def every(self) -> Ints:
         """All triangles; the batch that is assembled where there is but one."""
@@ -166,7 +171,7 @@ class Domain:
     @cached_property
     def _own(self) -> dict[int, list[Any]]:
         """All triangles and their batches, which never change, with their maps, where these are kept."""
-        if len(self.mesh.triangles) > MANY:
+        if not self.few:
             return {}
         return {id(part): [part, None] for part in (self.every, *self._all_blocks)}
 

@@ -19,6 +19,7 @@ G, g       work of c on the three rigid motions of the plate, and what supports 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -63,7 +64,7 @@ class Lines:
         Vertices with a concentrated force: ends of chains, and held points.
     """
 
-    def __init__(self, domain: Domain, supports: Supports, loads: list[LinearForm]) -> None:
+    def __init__(self, domain: Domain, supports: Supports, loads: Sequence[LinearForm]) -> None:
         mesh, groups = domain.mesh, supports.held
         self.held, self.turned = union(*(g.line for g in groups)), union(*(g.edges for g in groups))
         edges, points = union(self.held, self.turned), union(*(g.points for g in groups))

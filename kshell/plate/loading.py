@@ -7,9 +7,11 @@ kappa(v)^T D kappa_0 with kappa = (v_xx, v_yy, 2 v_xy).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
-from typing import Protocol
+import copy
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,8 @@ from kshell.plate.forms import Bending, edge_patch_for, edge_rows
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Field = Callable[[Ints, Floats], Floats]  # values (n, point, ...) at points (n, point, 2) of triangles (n,)
+
+T = TypeVar("T")
 
 LOAD_DEGREE = 6  # polynomial degree of a varying load that is integrated exactly
 
@@ -55,8 +59,71 @@ def resultant_of(force: Floats, xy: Floats, origin: Floats) -> Floats:
 
 
 @dataclass
-class AreaLoad:
-    """Pressure on some triangles: a number, or values at points.
+class Scaled(ABC):
+    """A load times a factor; what is found of the load itself is kept for all of its multiples."""
+
+    factor: float = field(default=1.0, kw_only=True)
+    kept: dict[Hashable, Any] = field(default_factory=dict, kw_only=True, repr=False, compare=False)
+
+    def times(self, factor: float) -> Self:
+        out = copy.copy(self)
+        out.factor = factor * self.factor
+        return out
+
+    @property
+    def alone(self) -> Self:
+        """The load without its factor."""
+        out = copy.copy(self)
+        out.factor = 1.0
+        return out
+
+    def once(self, key: Hashable, find: Callable[[], T]) -> T:
+        """What is found of the load without its factor, when it is first asked for."""
+        if key not in self.kept:
+            self.kept[key] = find()
+        found: T = self.kept[key]
+        return found
+
+    def vectors(self, positions: Ints, transform: Floats) -> Floats:
+        return self.factor * self._vectors(positions, transform)
+
+    def resultant(self, origin: Floats) -> Floats:
+        return self.factor * self.once(("resultant", origin.tobytes()), lambda: self._resultant(origin))
+
+    def gross(self, size: float) -> float:
+        return abs(self.factor) * self.once(("gross", size), lambda: self._gross(size))
+
+    @property
+    @abstractmethod
+    def everywhere(self) -> bool: ...
+
+    @abstractmethod
+    def blocks(self) -> Iterator[tuple[Ints, Ints]]: ...
+
+    # the same without the factor
+
+    @abstractmethod
+    def _vectors(self, positions: Ints, transform: Floats) -> Floats: ...
+
+    @abstractmethod
+    def _resultant(self, origin: Floats) -> Floats: ...
+
+    @abstractmethod
+    def _gross(self, size: float) -> float: ...
+
+
+class Summed(NamedTuple):
+    """Of a pressure: works (triangle, reference dof) where kept, force and moments about a centre, gross force."""
+
+    reference: Floats
+    centre: Floats
+    total: Floats
+    gross: float
+
+
+@dataclass
+class AreaLoad(Scaled):
+    """Pressure on some triangles: a number, or values at points, without the factor.
 
     ``degree`` is that of the pressure as a polynomial; None where it is none, or not known to be one.
     """
@@ -64,9 +131,13 @@ class AreaLoad:
     domain: Domain
     element: PlateElement
     triangles: Ints | None
-    pressure: float | Field
+    given: float | Field
     degree: int | None = None
-    _latest: tuple[Floats, Floats] | None = field(default=None, init=False, repr=False, compare=False)
+
+    @property
+    def uniform(self) -> float | None:
+        """The pressure with its factor; None where it is values at points."""
+        return None if callable(self.given) else self.factor * self.given
 
     @property
     def everywhere(self) -> bool:
@@ -77,142 +148,172 @@ class AreaLoad:
             yield block, block
 
     def _degree(self) -> int:
-        return self.element.maxdeg + (LOAD_DEGREE if callable(self.pressure) else 0)
+        return self.element.maxdeg + (LOAD_DEGREE if callable(self.given) else 0)
 
     def values(self, triangles: Ints, xy: Floats) -> Floats:
         """Pressure (n, point) at points (n, point, 2) of triangles (n,)."""
-        if not callable(self.pressure):
-            return np.full(xy.shape[:2], self.pressure)
-        if (
-            self._latest is None or self._latest[0] is not xy
-        ):  # patches at curved edges are kept, and asked for again
-            self._latest = xy, self.pressure(triangles, xy)
-        return self._latest[1]
+        return self.factor * self.values_given(triangles, xy)
 
-    def vectors(self, positions: Ints, transform: Floats) -> Floats:
+    def values_given(self, triangles: Ints, xy: Floats) -> Floats:
+        """The same without the factor."""
+        if callable(self.given):
+            return self.given(triangles, xy)
+        return np.full(xy.shape[:2], self.given)
+
+    def _vectors(self, positions: Ints, transform: Floats) -> Floats:
         affine = self.domain.affine(positions)
         curved = self.domain.is_curved[positions[0]]
-        if not callable(self.pressure) and not curved:
-            pressure = np.full(len(positions), self.pressure)
+        if not callable(self.given) and not curved:
+            pressure = np.full(len(positions), self.given)
             return matrices.load(self.element, affine, pressure, transform)
-        patch = next(self.domain.patches(self._degree(), positions))
-        weight = patch.weights * self.values(patch.triangles, patch.xy)
-        basis = self.element.basis.tabulate(patch.xi, 0)[..., 0, :]  # (..., point, reference dof)
-        reference = weight @ basis if basis.ndim == 2 else (weight[:, None] @ basis)[:, 0]
+        if self.domain.few and callable(self.given):
+            reference = self._summed.reference[positions]
+        else:
+            reference = self._on_reference(next(self.domain.patches(self._degree(), positions)))[0]
         return (reference[:, None] @ transform)[:, 0]
 
-    def times(self, factor: float) -> AreaLoad:
-        pressure = self.pressure
-        if not callable(pressure):
-            return replace(self, pressure=factor * pressure)
-        return replace(self, pressure=lambda triangles, xy: factor * pressure(triangles, xy))
+    def _on_reference(self, patch: Patch) -> tuple[Floats, Floats]:
+        """Work (n, dof) on the functions of the reference triangle, and the forces (n, point) it comes from."""
+        force = patch.weights * self.values_given(patch.triangles, patch.xy)
+        basis = self.element.basis.tabulate(patch.xi, 0)[..., 0, :]  # (..., point, reference dof)
+        return (force @ basis if basis.ndim == 2 else (force[:, None] @ basis)[:, 0]), force
 
-    def _patches(self) -> Iterator[Patch]:
-        """For resultants: a constant pressure has moments of degree 1."""
-        return self.domain.patches(self._degree() if callable(self.pressure) else 1, self.triangles)
+    @property
+    def _summed(self) -> Summed:
+        return self.once("summed", self._sum)
 
-    def resultant(self, origin: Floats) -> Floats:
-        if self.triangles is None and not callable(self.pressure):
+    def _sum(self) -> Summed:
+        """All that is summed of values at points, at once; works where `Domain` keeps maps, too."""
+        domain, varies = self.domain, callable(self.given)
+        count = len(domain.mesh.triangles) if varies and domain.few else 0
+        reference = np.zeros((count, self.element.count))
+        centre, total, gross = domain.points.mean(axis=0), np.zeros(3), 0.0
+        # a constant pressure has moments of degree 1
+        for patch in domain.patches(self._degree() if varies else 1, self.triangles):
+            if count:
+                reference[patch.triangles], force = self._on_reference(patch)
+            else:
+                force = patch.weights * self.values_given(patch.triangles, patch.xy)
+            total += resultant_of(force, patch.xy, centre)
+            gross += float(np.abs(force).sum())
+        return Summed(reference, centre, total, gross)
+
+    def _resultant(self, origin: Floats) -> Floats:
+        if self.triangles is None and not callable(self.given):
             area, x, y = self.domain.moments_of_area
-            return self.pressure * np.array([area, y - origin[1] * area, origin[0] * area - x])
-        total = np.zeros(3)
-        for patch in self._patches():
-            force = patch.weights * self.values(patch.triangles, patch.xy)
-            total += resultant_of(force, patch.xy, origin)
-        return total
+            return self.given * np.array([area, y - origin[1] * area, origin[0] * area - x])
+        found = self._summed
+        return found.total + resultant_of(found.total[0], found.centre, origin) * np.array([0.0, 1.0, 1.0])
 
-    def gross(self, size: float) -> float:
-        if self.triangles is None and not callable(self.pressure):
-            return float(abs(self.pressure) * self.domain.moments_of_area[0])
-        return float(sum(np.abs(p.weights * self.values(p.triangles, p.xy)).sum() for p in self._patches()))
+    def _gross(self, size: float) -> float:
+        if self.triangles is None and not callable(self.given):
+            return float(abs(self.given) * self.domain.moments_of_area[0])
+        return self._summed.gross
 
 
 @dataclass
-class EdgeLoad:
-    """Force per length along z on edges, or a bending moment per length; ``degree`` as in `AreaLoad`."""
+class EdgeLoad(Scaled):
+    """Force per length along z on edges, or a bending moment per length; ``given`` and ``degree`` as in `AreaLoad`."""
 
     domain: Domain
     element: PlateElement
     edges: Ints
-    value: Callable[[Floats], Floats]  # (n, point) at points (n, point, 2)
+    given: Callable[[Floats], Floats]  # (n, point) at points (n, point, 2)
     moment: bool
     degree: int | None = None
 
-    everywhere = False
+    @property
+    def everywhere(self) -> bool:
+        return False
 
     def __post_init__(self) -> None:
         self.patch = edge_patch_for(self.domain, self.element, self.edges)
 
-    def times(self, factor: float) -> EdgeLoad:
-        return replace(self, value=lambda xy: factor * self.value(xy))
+    def value(self, xy: Floats) -> Floats:
+        """(n, point) at points (n, point, 2)."""
+        return self.factor * self.given(xy)
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         yield np.arange(len(self.patch.edges)), self.patch.triangles
 
-    def vectors(self, positions: Ints, transform: Floats) -> Floats:
+    def _vectors(self, positions: Ints, transform: Floats) -> Floats:
         affine = self.domain.affine(self.patch.triangles[positions])
         rows = edge_rows(self.element, affine, self.patch, positions, self.moment, transform)
-        value = self.value(self.patch.xy[positions])
+        value = self.given(self.patch.xy[positions])
         weight = self.patch.weights[positions] * (-value if self.moment else value)
         return (weight[:, None] @ rows[:, :, 0])[:, 0]
 
-    def resultant(self, origin: Floats) -> Floats:
-        value = self.value(self.patch.xy) * self.patch.weights
+    def _resultant(self, origin: Floats) -> Floats:
+        value = self.given(self.patch.xy) * self.patch.weights
         if not self.moment:
             return resultant_of(value, self.patch.xy, origin)
         # turning about x by 1 is v = y with v_n = n_y, about y it is v = -x with v_n = -n_x
         normal = self.patch.normal
         return np.array([0.0, -(value * normal[..., 1]).sum(), (value * normal[..., 0]).sum()])
 
-    def gross(self, size: float) -> float:
-        total = np.abs(self.value(self.patch.xy) * self.patch.weights).sum()
+    def _gross(self, size: float) -> float:
+        total = np.abs(self.given(self.patch.xy) * self.patch.weights).sum()
         return float(total / size if self.moment else total)
 
 
 @dataclass
-class PointLoad:
-    """Rows on the physical degrees of freedom of triangles: forces and moments at vertices."""
+class PointLoad(Scaled):
+    """Rows on the physical degrees of freedom of triangles: forces and moments at vertices; without the factor."""
 
     domain: Domain
     element: PlateElement
     triangles: Ints
     rows: Floats  # (n, local)
-    total: Floats  # (3,) force, moments about x and y through the vertex
+    given: Floats  # (3,) force, moments about x and y through the vertex
     xy: Floats  # (2,) where
 
-    everywhere = False
+    @property
+    def everywhere(self) -> bool:
+        return False
 
-    def times(self, factor: float) -> PointLoad:
-        return replace(self, rows=factor * self.rows, total=factor * self.total)
+    @property
+    def total(self) -> Floats:
+        """(3,) force, moments about x and y through the vertex."""
+        return self.factor * self.given
 
     def blocks(self) -> Iterator[tuple[Ints, Ints]]:
         yield np.arange(len(self.triangles)), self.triangles
 
-    def vectors(self, positions: Ints, transform: Floats) -> Floats:
+    def _vectors(self, positions: Ints, transform: Floats) -> Floats:
         m = self.element.transformation(self.domain.affine(self.triangles[positions]))
         rows = np.linalg.solve(np.swapaxes(m, 1, 2), self.rows[positions, :, None])
         return (np.swapaxes(rows, 1, 2) @ transform)[:, 0]
 
-    def resultant(self, origin: Floats) -> Floats:
-        return np.array([0.0, *self.total[1:]]) + resultant_of(self.total[:1], self.xy[None], origin)
+    def _resultant(self, origin: Floats) -> Floats:
+        return np.array([0.0, *self.given[1:]]) + resultant_of(self.given[:1], self.xy[None], origin)
 
-    def gross(self, size: float) -> float:
-        return float(np.abs(self.total / np.array([1.0, size, size])).max())
+    def _gross(self, size: float) -> float:
+        return float(np.abs(self.given / np.array([1.0, size, size])).max())
 
 
 @dataclass
-class CurvatureLoad:
+class CurvatureLoad(Scaled):
     """Initial curvature kappa_0 = (w_xx, w_yy, 2 w_xy) that the plate takes up without moments.
 
-    ``degree`` as in `AreaLoad`; ``left`` (face, triangles, points) are stresses (n, point, 3) that layers keep all the
-    same.
+    ``given`` and ``degree`` as in `AreaLoad`; ``given_left`` (face, triangles, points) are stresses (n, point, 3) that
+    layers keep all the same.
     """
 
     bending: Bending
     triangles: Ints | None
-    curvature: Field  # (n, point, 3) at points (n, point, 2) of triangles (n,)
+    given: Field  # (n, point, 3) at points (n, point, 2) of triangles (n,)
     degree: int | None = None
-    left: Callable[[int, Ints, Floats], Floats] | None = None
+    given_left: Callable[[int, Ints, Floats], Floats] | None = None
+
+    def curvature(self, triangles: Ints, xy: Floats) -> Floats:
+        """(n, point, 3) at points (n, point, 2) of triangles (n,)."""
+        return self.factor * self.given(triangles, xy)
+
+    def left(self, face: int, triangles: Ints, xy: Floats) -> Floats:
+        """(n, point, 3) stresses that layers keep."""
+        if self.given_left is None:
+            return np.zeros((*xy.shape[:2], 3))
+        return self.factor * self.given_left(face, triangles, xy)
 
     @property
     def everywhere(self) -> bool:
@@ -222,33 +323,23 @@ class CurvatureLoad:
         for block in self.bending.domain.blocks(self.triangles):
             yield block, block
 
-    def vectors(self, positions: Ints, transform: Floats) -> Floats:
+    def _vectors(self, positions: Ints, transform: Floats) -> Floats:
         domain, element = self.bending.domain, self.bending.element
         patch = next(domain.patches(element.maxdeg - 2 + LOAD_DEGREE, positions))
         rows = matrices.rows(element, domain.affine(positions), patch.xi, 2, transform)
         weighted = self.bending.stiffness(patch.triangles, patch.xy, patch.weights)
-        moment = (weighted @ self.curvature(patch.triangles, patch.xy)[..., None])[..., 0]  # (n, point, 3)
+        moment = (weighted @ self.given(patch.triangles, patch.xy)[..., None])[..., 0]  # (n, point, 3)
         return np.einsum("eqk,eqku->eu", moment, rows)
 
-    def times(self, factor: float) -> CurvatureLoad:
-        left = self.left
-        return replace(
-            self,
-            curvature=lambda triangles, xy: factor * self.curvature(triangles, xy),
-            left=None if left is None else lambda face, triangles, xy: factor * left(face, triangles, xy),
-        )
-
-    def resultant(self, origin: Floats) -> Floats:
+    def _resultant(self, origin: Floats) -> Floats:
         return np.zeros(3)  # self-equilibrated
 
-    def gross(self, size: float) -> float:
+    def _gross(self, size: float) -> float:
         """The largest moment per length that holding the curvature back would take: a force."""
         patches = self.bending.domain.patches(2, self.triangles)
         return float(
             max(
-                np.abs(
-                    self.bending.at(p.triangles, p.xy) @ self.curvature(p.triangles, p.xy)[..., None]
-                ).max()
+                np.abs(self.bending.at(p.triangles, p.xy) @ self.given(p.triangles, p.xy)[..., None]).max()
                 for p in patches
             )
         )

@@ -16,7 +16,7 @@ from kshell.mesh.words import place
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
-from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, Field, LinearForm, PointLoad
+from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, Field, PointLoad, Scaled
 from kshell.plate.places import first_triangles, places_of, points_3d
 from kshell.scene.handlers import Handlers
 from kshell.scene.loads import (
@@ -54,7 +54,7 @@ class Loads:
 
     Attributes
     ----------
-    forms : list of LinearForm
+    forms : list of Scaled
     curvatures : list of CurvatureLoad
         Those of the forms that are initial curvatures, for moments and energy.
     numbers : list of int
@@ -64,13 +64,13 @@ class Loads:
         Temperatures, with the number of the load.
     """
 
-    forms: list[LinearForm] = field(default_factory=list)
+    forms: list[Scaled] = field(default_factory=list)
     curvatures: list[CurvatureLoad] = field(default_factory=list)
     numbers: list[int] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     warmth: list[tuple[int, Placed[Load]]] = field(default_factory=list)
 
-    def of(self, number: int) -> list[LinearForm]:
+    def of(self, number: int) -> list[Scaled]:
         """The forms of one load."""
         return [form for form, mine in zip(self.forms, self.numbers, strict=True) if mine == number]
 
@@ -94,9 +94,8 @@ class Loads:
         """(n, point, 3) stresses that warm layers keep at the bottom (-1), in the middle (0), at the top (1)."""
         total = np.zeros((*xy.shape[:2], 3))
         for load in self.curvatures:
-            if load.left is not None:
-                here = slice(None) if load.triangles is None else np.isin(triangles, load.triangles)
-                total[here] += load.left(face, triangles[here], xy[here])
+            here = slice(None) if load.triangles is None else np.isin(triangles, load.triangles)
+            total[here] += load.left(face, triangles[here], xy[here])
         return total
 
 

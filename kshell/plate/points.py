@@ -18,6 +18,7 @@ Ints = NDArray[np.int64]
 # and the parabola through its ends and its middle
 AT_CURVE = 1e-3
 ROUNDING = 1e-12  # the same at straight edges
+FEW, KEPT = 16, 256  # points asked for at once that are kept, and how many times
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,17 @@ class Located:
     xy: Floats
     distance: Floats
 
+    def copied(self) -> Located:
+        """Another one, whose arrays may be changed."""
+        return Located(self.triangles.copy(), self.xi.copy(), self.xy.copy(), self.distance.copy())
+
 
 class PlatePoints:
     """Point location on a planar mesh with curved edges."""
 
     def __init__(self, domain: Domain) -> None:
         self.domain = domain
+        self._known: dict[bytes, Located] = {}
 
     @cached_property
     def _locator(self) -> Locator:
@@ -60,7 +66,17 @@ class PlatePoints:
         return Locator(np.concatenate([nodes, np.zeros((*nodes.shape[:2], 1))], axis=2))
 
     def find(self, xy: Floats) -> Located:
-        """Locate points (n, 2)."""
+        """Locate points (n, 2); where few are asked for, as of probes, once."""
+        if len(xy) > FEW:
+            return self._find(xy)
+        key = xy.tobytes()
+        if key not in self._known:
+            if len(self._known) >= KEPT:
+                self._known.clear()
+            self._known[key] = self._find(xy)
+        return self._known[key].copied()
+
+    def _find(self, xy: Floats) -> Located:
         found = self._locator.find(np.concatenate([xy, np.zeros((len(xy), 1))], axis=1))
         triangles, nearest = found.triangles, found.x[:, :2].copy()
         affine = self.domain.affine(triangles)

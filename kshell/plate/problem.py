@@ -24,7 +24,7 @@ from kshell.plate.forms import Bending, Form
 from kshell.plate.held import Supports
 from kshell.plate.inertia import Mass
 from kshell.plate.layout import Layout
-from kshell.plate.loading import LOAD_DEGREE
+from kshell.plate.loading import LOAD_DEGREE, LinearForm
 from kshell.plate.loads import Loads, apply_loads
 from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.points import PlatePoints
@@ -140,7 +140,7 @@ class PlateProblem:
         return self._assemble(FullPattern(self.reduction)) if self.small else self.assembled
 
     def _assemble(self, pattern: Pattern | FullPattern) -> Assembled:
-        loads = [*self.loads.forms, *self.supports.hold_loads]
+        loads: list[LinearForm] = [*self.loads.forms, *self.supports.hold_loads]
         return assemble(self.forms, loads, self.domain, self.reduction, pattern)
 
     @cached_property

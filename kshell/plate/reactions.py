@@ -8,22 +8,23 @@ them, the smallest multipliers with R^T lambda = residual.
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping
+from collections.abc import MutableMapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.plate.along_supports import AlongSupports
-from kshell.plate.assembly import residual
+from kshell.plate.assembly import residual, works
 from kshell.plate.corner_forces import CornerForces
 from kshell.plate.domain import Domain, EdgePatch
 from kshell.plate.forms import Bending, Form, edge_rows
 from kshell.plate.held import Supports
 from kshell.plate.layout import Layout
 from kshell.plate.line_forces import LineForces, Lines
-from kshell.plate.loading import LinearForm
+from kshell.plate.loading import LinearForm, Scaled
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import rigid_motions
@@ -89,11 +90,11 @@ class ReactionFinder:
         self.near = np.flatnonzero(held[mesh.triangles].any(axis=1)).astype(np.int64)
 
     def find(
-        self, d: Floats, loads: list[LinearForm], fields: Fields, inertia: Floats | None = None
+        self, d: Floats, loads: Sequence[Scaled], fields: Fields, inertia: Floats | None = None
     ) -> Reactions:
         """Reactions of a solution with physical degrees of freedom d; inertia (dof,) acts as a load."""
-        linear = [*loads, *self.supports.hold_loads]
-        r = residual(self.forms, linear, self.domain, self.reduction, d, self.near)
+        r = residual(self.forms, self.supports.hold_loads, self.domain, self.reduction, d, self.near)
+        r -= self._pushing(loads)
         pushed = np.zeros(3)
         if inertia is not None:
             r = r - inertia
@@ -117,8 +118,22 @@ class ReactionFinder:
         along = self._along(d, loads, totals, inertia)
         return Reactions(groups, *self._balance(totals, loads, d, pushed), along)
 
+    def _pushing(self, loads: Sequence[Scaled]) -> Floats:
+        """(dof,) the work of loads on the triangles at supports."""
+        out, key = np.zeros(self.layout.count), ("at supports", self.near.tobytes())
+        for load in loads:
+            dofs, work = load.once(key, partial(self._work_there, load.alone))
+            out[dofs] += load.factor * work
+        return out
+
+    def _work_there(self, load: Scaled) -> tuple[Ints, Floats]:
+        """Degrees of freedom, and the work of a load on them."""
+        found = works(load, self.domain, self.layout, self.near)
+        dofs = np.flatnonzero(found)
+        return dofs, found[dofs]
+
     def _along(
-        self, d: Floats, loads: list[LinearForm], totals: dict[str, Floats], inertia: Floats | None
+        self, d: Floats, loads: Sequence[Scaled], totals: dict[str, Floats], inertia: Floats | None
     ) -> MutableMapping[str, dict[str, Any]]:
         """What the supports exert along their lines, found when it is looked at."""
         domain, supports = self.domain, self.supports
@@ -127,7 +142,7 @@ class ReactionFinder:
         def find(lines: Lines) -> LineForces:
             # without what holds curved edges: that is the supports', too
             forms = [self.bending, *springs, *supports.ties]
-            r = residual(forms, loads, domain, self.reduction, d, self.near)
+            r = residual(forms, [], domain, self.reduction, d, self.near) - self._pushing(loads)
             if inertia is not None:
                 r = r - inertia
             wanted = np.sum([np.zeros(3), *totals.values()], axis=0)
@@ -298,7 +313,7 @@ class ReactionFinder:
         )
 
     def _balance(
-        self, totals: dict[str, Floats], loads: list[LinearForm], d: Floats, pushed: Floats
+        self, totals: dict[str, Floats], loads: Sequence[Scaled], d: Floats, pushed: Floats
     ) -> tuple[float, float]:
         """Error of equilibrium of forces, and of moments about the centre, relative to what acts, and as it is.
 

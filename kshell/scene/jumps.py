@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.scene.exact_supports import Elastic
-from kshell.scene.jump_rules import just_inside, looks
+from kshell.scene.jump_rules import DEGREES, just_inside, looks
 from kshell.scene.load import Load
 from kshell.scene.loads import InitialCurvature, InitialStrain, Temperature
 from kshell.scene.normals import beside
+from kshell.values.degree import IN_SPACE, polynomial_degree
 from kshell.values.varying import is_constant
 
 Floats = NDArray[np.float64]
@@ -47,7 +48,7 @@ def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: i
         2 or 1; at points nothing is missed.
     """
     none = 0.0, np.zeros(len(members))
-    if not _varies(load, dimension):
+    if not _varies(load, dimension) or _is_exact(load):
         return none
     cells = space.triangles if dimension == 2 else space.edges
     found = _Missed(load, space, members, space.points[cells[members]])
@@ -66,6 +67,14 @@ def _varies(load: Load | Elastic, dimension: int) -> bool:
     return bool(placing) or not all(is_constant(getattr(load, key, 0.0)) for key in keys)
 
 
+def _is_exact(load: Load | Elastic) -> bool:
+    """Whether all rules integrate it exactly: a polynomial of the place, whatever the mesh."""
+    if not isinstance(load, Load) or type(load).at is not Load.at or load.needs_normal:
+        return False
+    degrees = [polynomial_degree(getattr(load, key, 0.0), IN_SPACE) for key in load.scaling]
+    return all(degree is not None and degree <= DEGREES[0] for degree in degrees)
+
+
 def acts_nowhere(load: Load, space: Mesh, members: Ints, dimension: int) -> bool:
     """Whether a load that varies is zero on all triangles or edges it acts on, as a patch beside the surface."""
     if not _varies(load, dimension):
@@ -74,7 +83,10 @@ def acts_nowhere(load: Load, space: Mesh, members: Ints, dimension: int) -> bool
     begin, count = 0, FEW
     while begin < len(members):
         some = members[begin : begin + count]
-        if _Missed(load, space, some, space.points[cells[some]]).gross != 0.0:
+        corners = space.points[cells[some]]
+        if np.any(_values(load, space, _beside(space, some, dimension), corners.mean(axis=1)[:, None])):
+            return False
+        if _Missed(load, space, some, corners).gross != 0.0:
             return False
         begin, count = begin + count, MOST
     return True
@@ -162,14 +174,22 @@ class _Missed:
 
     def _values(self, members: Ints, points: Floats) -> Floats:
         """(n, point, component)."""
-        load: Any = self.load
-        places = points
-        if getattr(load, "needs_normal", False):
-            triangles = members if self.k == 3 else self.space.edge_owner[members, 0]
-            flat = beside(self.space, triangles, points.reshape(-1, 3))
-            places = flat.reshape(*points.shape[:2], 6)
-        values = load.stiffness_at(places) if isinstance(load, Elastic) else load.at(places)
-        return np.asarray(values if values.ndim == 3 else values[..., None])
+        return _values(self.load, self.space, _beside(self.space, members, self.k - 1), points)
+
+
+def _beside(space: Mesh, members: Ints, dimension: int) -> Ints:
+    """The triangles, or one at each edge."""
+    return members if dimension == 2 else space.edge_owner[members, 0]
+
+
+def _values(load: Any, space: Mesh, triangles: Ints, points: Floats) -> Floats:
+    """(n, point, component) at points (n, point, 3) of triangles."""
+    places = points
+    if getattr(load, "needs_normal", False):
+        flat = beside(space, triangles, points.reshape(-1, 3))
+        places = flat.reshape(*points.shape[:2], 6)
+    values = load.stiffness_at(places) if isinstance(load, Elastic) else load.at(places)
+    return np.asarray(values if values.ndim == 3 else values[..., None])
 
 
 def _lengths(vectors: Floats) -> Floats:

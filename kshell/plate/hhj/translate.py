@@ -6,6 +6,8 @@ over edge by edge and triangle by triangle, and integrated with rules that are e
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -133,7 +135,7 @@ def springs(
     return tuple(out)
 
 
-def load(system: HHJSystem, forms: list[LinearForm]) -> Load:
+def load(system: HHJSystem, forms: Sequence[LinearForm]) -> Load:
     """The sum of some loads."""
     out = system.no_load()
     for form in forms:
@@ -211,14 +213,14 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
     arcs = system.arcs
     if arcs is not None:
         chosen, bent = _divided(chosen, arcs)
-        if callable(form.pressure):
+        if form.uniform is None:
             patch, xi = arcs.patch(arcs.place[bent], system.order + LOAD_DEGREE)
             weighted = form.values(bent, patch.xy) * patch.weights
             out.local[bent] += (weighted[:, None] @ t.inside(xi))[:, 0]
         else:
-            out.local[bent] += form.pressure * arcs.integrals[arcs.place[bent]]
-    if not callable(form.pressure):
-        out.local[chosen] += form.pressure * triangles.area[chosen, None] * t.load
+            out.local[bent] += form.uniform * arcs.integrals[arcs.place[bent]]
+    if form.uniform is not None:
+        out.local[chosen] += form.uniform * triangles.area[chosen, None] * t.load
         return
     if not len(chosen):
         return
