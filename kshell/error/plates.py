@@ -26,6 +26,7 @@ Ints = NDArray[np.int64]
 WHY_NOT = "residuals are no proof, which bounds from a tolerance are on straight edges"
 AT_VERTEX = 1e-9  # distance of a probe from a vertex, in the size of the plate, that is none
 LIKELY = 0.25  # of the half width: residuals overestimate by 1 to 100 times
+FEW = 50_000  # triangles of all load cases that are estimated at once
 GROWTH = 4.0  # deflections grow with size to this power
 
 
@@ -38,10 +39,7 @@ def assess_residual(
     out = Assessment(why_not=WHY_NOT)
     chosen = list(names)[:duals]
     new = [name for name in chosen if name not in model.duals]
-    cases = [Loaded(d, problem.loads.forms, problem.loads), *_dual_cases(model, new)]
-    own, *found = PlateResidual(problem).local(cases)
-    for name, case, eta in zip(new, cases[1:], found, strict=True):
-        model.duals[name] = case.d, eta
+    own = _local(model, d, new)
     out.energy = energy_interval(result.strain_energy, float(np.sqrt(own.sum())), at_rest, WHY_NOT)
     out.marks[ENERGY], out.parts[ENERGY] = own, 0.25 * own
     for name in chosen:
@@ -52,6 +50,28 @@ def assess_residual(
         out.marks[name] = goal_marks(own, dual)
     out.geometry = geometry_share(problem.domain)
     return out
+
+
+def _local(model: PlateModel, d: Floats, new: Sequence[str]) -> Floats:
+    """(T,) estimates of a deflection; those of the others solved together, and of new duals, are found beside it."""
+    kept: list[tuple[Floats, Floats]] = model.estimates
+    own = next((eta for x, eta in kept if x is d), None)
+    waiting = [] if own is not None else _beside(model, d)
+    cases = [*(Loaded.of(problem, x) for problem, x in waiting), *_dual_cases(model, new)]
+    if cases:
+        found = PlateResidual(model.problem).local(cases)
+        kept += [(x, eta) for (_, x), eta in zip(waiting, found, strict=False)]
+        duals = zip(new, cases[len(waiting) :], found[len(waiting) :], strict=True)
+        model.duals.update({name: (case.d, eta) for name, case, eta in duals})
+    return next(eta for x, eta in kept if x is d) if own is None else own
+
+
+def _beside(model: PlateModel, d: Floats) -> list[tuple[PlateProblem, Floats]]:
+    """A deflection with those that were solved for together with it, as long as they are few numbers in all."""
+    together = model.together
+    if any(x is d for _, x in together) and len(together) * len(model.problem.mesh.triangles) <= FEW:
+        return together
+    return [(model.problem, d)]
 
 
 def _dual_cases(model: PlateModel, names: Sequence[str]) -> list[Loaded]:

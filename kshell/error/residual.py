@@ -53,12 +53,20 @@ class Loaded:
         For initial curvatures; empty for duals.
     inner : sequence of int arrays
         Triangles that unit forces act inside.
+    keeper : PlateProblem, optional
+        Under these loads, which keeps tractions.
     """
 
     d: Floats
     forms: Sequence[LinearForm] = ()
     loads: Loads = field(default_factory=Loads)
     inner: Sequence[Ints] = ()
+    keeper: PlateProblem | None = None
+
+    @classmethod
+    def of(cls, problem: PlateProblem, d: Floats) -> Loaded:
+        """A deflection of a plate under its loads."""
+        return cls(d, problem.loads.forms, problem.loads, keeper=problem)
 
 
 class PlateResidual:
@@ -87,7 +95,12 @@ class PlateResidual:
     def local(self, cases: Sequence[Loaded]) -> list[Floats]:
         """(T,) estimates of the square of the error in energy, triangle by triangle, of each deflection."""
         problem = self.problem
-        tractions = tractions_of(problem, [case.d for case in cases], [case.loads for case in cases])
+        tractions = tractions_of(
+            problem,
+            [case.d for case in cases],
+            [case.loads for case in cases],
+            [case.keeper for case in cases],
+        )
         inside = self._inside(tractions, cases)
         on_edges = self._on_edges(tractions, cases)
         out = []

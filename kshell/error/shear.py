@@ -167,9 +167,7 @@ def _sampled_dual(problem: PlateProblem, weights: _Weights, d: Floats) -> list[F
     """Values of a dual, of which the last is kept: it is that of all loads."""
     known = problem.shared.get("shear of dual")
     if known is None or known[0] is not weights or known[1] is not d:
-        own = problem.__dict__.get("_tractions")  # is that of the deflection under the loads
         found = weights.sampled(tractions_of(problem, [d], [Loads()]))
-        problem.__dict__["_tractions"] = own
         known = problem.shared["shear of dual"] = weights, d, found
     values: list[Floats] = known[2]
     return values

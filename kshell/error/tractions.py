@@ -130,10 +130,10 @@ class Tractions(ABC):
         m = problem.element.transformation(self.affine)
         self.reference: Floats = np.ascontiguousarray(np.swapaxes(m @ local, 1, 2))  # (T, k, 21)
 
-    def of_first(self) -> Self:
-        """Those of the first deflection."""
+    def of(self, number: int) -> Self:
+        """Those of one of the deflections."""
         out = copy.copy(self)
-        out.reference = self.reference[:, :1]
+        out.reference = self.reference[:, number : number + 1]
         return out
 
     def derivatives(self, chosen: Ints, xi: Floats, order: int) -> Floats:
@@ -252,9 +252,9 @@ class VaryingTractions(Tractions):
         dx, dy = along
         return m, np.stack([dx[..., 0] + dy[..., 2], dx[..., 2] + dy[..., 1]], axis=-1)
 
-    def of_first(self) -> Self:
-        out = super().of_first()
-        out._loads = self._loads[:1]
+    def of(self, number: int) -> Self:
+        out = super().of(number)
+        out._loads = self._loads[number : number + 1]
         return out
 
     def _with_slopes(self, of: Callable[[Floats], Floats], xy: Floats) -> list[Floats]:
@@ -281,8 +281,16 @@ class VaryingTractions(Tractions):
         return normal, nx * q[..., 0] + ny * q[..., 1] + change
 
 
-def tractions_of(problem: PlateProblem, deflections: Sequence[Floats], loads: Sequence[Loads]) -> Tractions:
-    """Of deflections (dof,) with their loads; those of the first one are kept with the problem under its loads."""
+def tractions_of(
+    problem: PlateProblem,
+    deflections: Sequence[Floats],
+    loads: Sequence[Loads],
+    keepers: Sequence[PlateProblem | None] = (),
+) -> Tractions:
+    """Of deflections (dof,) with their loads.
+
+    Those that have a keeper, the plate under their loads, are kept with it and not found again when asked for alone.
+    """
     known = problem.__dict__.get("_tractions")
     if len(deflections) == 1 and known is not None and known[0] is deflections[0] and known[1] is loads[0]:
         first: Tractions = known[2]
@@ -292,7 +300,9 @@ def tractions_of(problem: PlateProblem, deflections: Sequence[Floats], loads: Se
         found: Tractions = ConstantTractions(problem, d)
     else:
         found = VaryingTractions(problem, d, loads)
-    problem.__dict__["_tractions"] = deflections[0], loads[0], found.of_first()
+    for number, keeper in enumerate(keepers):
+        if keeper is not None:
+            keeper.__dict__["_tractions"] = deflections[number], loads[number], found.of(number)
     return found
 
 

@@ -68,9 +68,12 @@ class PlateModel(MovingModel):
         self.element, self.order = element, self.problem.element.maxdeg
         self.reasons = list(reasons)
         self._prepared: dict[str, Prepared] = {}  # by solver, for further loads and duals
-        self._ahead: dict[str, Solution] = {}  # by solver, what `solve_ahead` found
+        self._ahead: dict[str, Solved] = {}  # by solver, what `solve_ahead` found
+        # what `solve_ahead` found for all loads, deflections (dof,), whose errors may be estimated together
+        self.together: list[tuple[PlateProblem, Floats]] = []
         # by probe: dual solution (dof,) and its estimate by triangle; the same under all loads
         self.duals: dict[str, tuple[Floats, Floats]] = {}
+        self.estimates: list[tuple[Floats, Floats]] = []  # by triangle, of deflections (dof,) under loads
         self._motion = PlateMotion(self.problem)  # the same under all loads
 
     def _posed(self, structure: Structure, element: PlateElement) -> PlateProblem:
@@ -151,7 +154,10 @@ class PlateModel(MovingModel):
 
     def solve(self, solver: str = "auto") -> Solved:
         system = self.problem.system
-        solution = self._ahead.get(solver) or self._solve(system.fixed_load + system.load, solver)
+        known = self._ahead.get(solver)
+        return known or self._solved(self._solve(system.fixed_load + system.load, solver))
+
+    def _solved(self, solution: Solution) -> Solved:
         d = self.problem.reduction.expand(np.asarray(solution.x, dtype=np.float64))
         if not np.isfinite(d).all():
             raise SolveError(
@@ -169,8 +175,10 @@ class PlateModel(MovingModel):
         if loads.size > MOST_TOGETHER or not loads.any(axis=0).all():
             return
         solution = self._solve(loads, solver)
-        for number, model in enumerate(models):
-            model._ahead[solver] = solution.column(number)
+        found = [model._solved(solution.column(number)) for number, model in enumerate(models)]
+        for model, solved in zip(models, found, strict=True):
+            model._ahead[solver] = solved
+        self.together[:] = [(model.problem, solved.x) for model, solved in zip(models, found, strict=True)]
 
     def _solve(self, rhs: Floats, solver: str) -> Solution:
         problem = self.problem
