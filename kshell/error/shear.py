@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.plates import AT_VERTEX, deflection_rows
-from kshell.error.tractions import Tractions, tractions_of
+from kshell.error.tractions import Tractions, tractions_among, tractions_of
 from kshell.mesh.words import place
 from kshell.plate.loading import PointLoad
 from kshell.plate.loads import Loads
@@ -154,7 +154,7 @@ def products(
     """
     totals = np.zeros((len(deflections), 2))
     weights = _weights(problem, centres, strong, near)
-    own = weights.sampled(tractions_of(problem, deflections[:1], [problem.loads]))
+    own = _sampled(problem, weights, deflections[0])
     for number, d in enumerate(deflections):
         other = own if number == 0 else _sampled_dual(problem, weights, d)
         for part, first, second in zip(weights.parts, own, other, strict=True):
@@ -163,11 +163,22 @@ def products(
     return totals
 
 
+def _sampled(problem: PlateProblem, weights: _Weights, d: Floats) -> list[Floats]:
+    """Values of a deflection under the loads, with those of the others that were solved for together."""
+    tractions, number = tractions_among(problem, d)
+    known = problem.shared.get("shear of loads")
+    if known is None or known[0] is not tractions:
+        known = problem.shared["shear of loads"] = tractions, weights, weights.sampled(tractions)
+    if known[1] is not weights:  # of other loads at points
+        return [values[:, 0] for values in weights.sampled(tractions.of(number))]
+    return [values[:, number] for values in known[2]]
+
+
 def _sampled_dual(problem: PlateProblem, weights: _Weights, d: Floats) -> list[Floats]:
     """Values of a dual, of which the last is kept: it is that of all loads."""
     known = problem.shared.get("shear of dual")
     if known is None or known[0] is not weights or known[1] is not d:
-        found = weights.sampled(tractions_of(problem, [d], [Loads()]))
+        found = [values[:, 0] for values in weights.sampled(tractions_of(problem, [d], [Loads()]))]
         known = problem.shared["shear of dual"] = weights, d, found
     values: list[Floats] = known[2]
     return values
@@ -198,11 +209,11 @@ class _Part:
     twist: Floats | None = None
 
     def sampled(self, tractions: Tractions) -> Floats:
-        """Q (n, point, 2), or m_nt (n, point), of the first deflection."""
+        """Q (n, k, point, 2), or m_nt (n, k, point), of each deflection."""
         if self.twist is None:
-            return tractions.shear_at(self.triangles, self.xi)[:, 0]
-        moment = tractions.at(self.triangles, self.xi)[0][:, 0]
-        return np.asarray((moment * self.twist).sum(axis=-1))
+            return tractions.shear_at(self.triangles, self.xi)
+        moment = tractions.at(self.triangles, self.xi)[0]
+        return np.asarray((moment * self.twist[:, None]).sum(axis=-1))
 
     def between(self, first: Floats, second: Floats) -> Floats:
         """(n, point) the density of the product of two of them."""

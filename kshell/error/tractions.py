@@ -287,14 +287,7 @@ def tractions_of(
     loads: Sequence[Loads],
     keepers: Sequence[PlateProblem | None] = (),
 ) -> Tractions:
-    """Of deflections (dof,) with their loads.
-
-    Those that have a keeper, the plate under their loads, are kept with it and not found again when asked for alone.
-    """
-    known = problem.__dict__.get("_tractions")
-    if len(deflections) == 1 and known is not None and known[0] is deflections[0] and known[1] is loads[0]:
-        first: Tractions = known[2]
-        return first
+    """Of deflections (dof,) with their loads; a keeper, the plate under the loads of one of them, keeps them all."""
     d = np.stack(deflections, axis=1)
     if problem.section.constant_per_triangle and not any(own.curvatures for own in loads):
         found: Tractions = ConstantTractions(problem, d)
@@ -302,8 +295,16 @@ def tractions_of(
         found = VaryingTractions(problem, d, loads)
     for number, keeper in enumerate(keepers):
         if keeper is not None:
-            keeper.__dict__["_tractions"] = deflections[number], loads[number], found.of(number)
+            keeper.__dict__["_tractions"] = deflections[number], loads[number], found, number
     return found
+
+
+def tractions_among(problem: PlateProblem, d: Floats) -> tuple[Tractions, int]:
+    """Tractions among which those of a deflection under the loads are, and its place."""
+    known = problem.__dict__.get("_tractions")
+    if known is None or known[0] is not d or known[1] is not problem.loads:
+        return tractions_of(problem, [d], [problem.loads], [problem]), 0
+    return known[2], known[3]
 
 
 def _times(matrix: Floats, vector: Floats) -> Floats:

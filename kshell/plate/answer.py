@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from kshell.material.section import Section
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
-from kshell.plate.assembly import residual
+from kshell.plate.assembly import Part, residual
 from kshell.plate.domain import Domain
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
@@ -88,8 +88,8 @@ def _recovered(
     springs = [form for _, form in problem.supports.springs]
     parts = {}
     if springs:
-        every = np.arange(len(mesh.triangles))
-        parts["springs"] = 0.5 * float(d @ residual(springs, [], problem.domain, problem.reduction, d, every))
+        whole = Part(problem.domain, problem.every)
+        parts["springs"] = 0.5 * float(d @ residual(springs, [], problem.reduction, d, whole))
         parts["bending"] = strain_energy - parts["springs"]
     return Result(
         mesh=mesh,

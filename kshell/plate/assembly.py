@@ -200,13 +200,38 @@ def _batches(
                     yield from batches([part], positions[keep], triangles[keep])
 
 
+class Part:
+    """Some triangles of a plate at least, and the batches of what acts on all of it that cover them.
+
+    Parameters
+    ----------
+    where : (n,) int array
+        The triangles.
+    """
+
+    def __init__(self, domain: Domain, where: Ints) -> None:
+        self.domain, self.where = domain, where
+        self.wanted = np.zeros(len(domain.mesh.triangles), dtype=bool)
+        self.wanted[where] = True
+        self._of_whole: list[tuple[Ints, Ints]] | None = None
+
+    def chunks(self, form: Form | LinearForm) -> Iterator[tuple[Ints, Ints]]:
+        """The batches of a form there."""
+        if not form.everywhere:
+            return chunks(form, self.wanted)
+        if self._of_whole is None:
+            self._of_whole = list(chunks(form, self.wanted))
+            for _, triangles in self._of_whole:
+                self.domain.keep(triangles)
+        return iter(self._of_whole)
+
+
 def residual(
     forms: Sequence[Form],
     loads: Sequence[LinearForm],
-    domain: Domain,
     reduction: Reduction,
     d: Floats,
-    where: Ints,
+    part: Part,
 ) -> Floats:
     """K d - f on all (physical) degrees of freedom, summed over some triangles only; bending through strains.
 
@@ -214,31 +239,27 @@ def residual(
     ----------
     d : (dof,) array
         Physical degrees of freedom.
-    where : (n,) int array
+    part : Part
         Triangles to sum over at least; entries of degrees of freedom that others share are incomplete.
     """
-    layout = reduction.layout
+    layout, domain = reduction.layout, part.domain
     out = np.zeros(layout.count)
-    wanted = np.zeros(len(layout.mesh.triangles), dtype=bool)
-    wanted[where] = True
     for form in forms:
-        for positions, triangles in chunks(form, wanted):
+        for positions, triangles in part.chunks(form):
             transform = layout.element.transformation(domain.affine(triangles))
             dofs = layout.triangle_dofs(triangles)
             local = less_planes(domain, layout, triangles, d) if isinstance(form, Bending) else d[dofs]
             np.add.at(out, dofs, form.products(positions, transform, transform @ local[:, :, None]))
     for load in loads:
-        out -= works(load, domain, layout, where)
+        out -= works(load, layout, part)
     return out
 
 
-def works(load: LinearForm, domain: Domain, layout: Layout, where: Ints) -> Floats:
+def works(load: LinearForm, layout: Layout, part: Part) -> Floats:
     """f (dof,) of one load, summed as in `residual`."""
     out = np.zeros(layout.count)
-    wanted = np.zeros(len(layout.mesh.triangles), dtype=bool)
-    wanted[where] = True
-    for positions, triangles in chunks(load, wanted):
-        transform = layout.element.transformation(domain.affine(triangles))
+    for positions, triangles in part.chunks(load):
+        transform = layout.element.transformation(part.domain.affine(triangles))
         np.add.at(out, layout.triangle_dofs(triangles), load.vectors(positions, transform))
     return out
 

@@ -175,6 +175,11 @@ class Domain:
             return {}
         return {id(part): [part, None] for part in (self.every, *self._all_blocks)}
 
+    def keep(self, triangles: Ints) -> None:
+        """Keep the maps of a batch, too."""
+        if self.few and id(triangles) not in self._own:
+            self._own[id(triangles)] = [triangles, None]
+
     @cached_property
     def _all_blocks(self) -> list[Ints]:
         return list(self._split(np.arange(len(self.mesh.triangles))))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from kshell.elements import matrices
 from kshell.equilibrium.oscillator import Oscillator
 from kshell.errors import InputError
-from kshell.plate.assembly import AT_ONCE, chunks, residual
+from kshell.plate.assembly import AT_ONCE, Part, chunks, residual
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Form
 from kshell.plate.layout import Layout
@@ -121,7 +121,7 @@ def whole_matrix(forms: Sequence[Form], domain: Domain, layout: Layout) -> sp.cs
 def whole_load(loads: Sequence[LinearForm], problem: PlateProblem) -> Floats:
     """(dof,) sum of loads on physical degrees of freedom, whether held or not."""
     still = np.zeros(problem.layout.count)
-    return -residual([], loads, problem.domain, problem.reduction, still, problem.every)
+    return -residual([], loads, problem.reduction, still, Part(problem.domain, problem.every))
 
 
 def probe_row(problem: PlateProblem, name: str, component: str) -> Floats:

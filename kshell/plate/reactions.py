@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.plate.along_supports import AlongSupports
-from kshell.plate.assembly import residual, works
+from kshell.plate.assembly import Part, residual, works
 from kshell.plate.corner_forces import CornerForces
 from kshell.plate.domain import Domain, EdgePatch
 from kshell.plate.forms import Bending, Form, edge_rows
@@ -87,13 +87,16 @@ class ReactionFinder:
         for group in supports.held:
             held[group.vertices] = True
             held[mesh.edges[group.edges]] = True
-        self.near = np.flatnonzero(held[mesh.triangles].any(axis=1)).astype(np.int64)
+        if "at supports" not in self.kept:
+            near = np.flatnonzero(held[mesh.triangles].any(axis=1)).astype(np.int64)
+            self.kept["at supports"] = Part(domain, near)
+        self.near: Part = self.kept["at supports"]
 
     def find(
         self, d: Floats, loads: Sequence[Scaled], fields: Fields, inertia: Floats | None = None
     ) -> Reactions:
         """Reactions of a solution with physical degrees of freedom d; inertia (dof,) acts as a load."""
-        r = residual(self.forms, self.supports.hold_loads, self.domain, self.reduction, d, self.near)
+        r = residual(self.forms, self.supports.hold_loads, self.reduction, d, self.near)
         r -= self._pushing(loads)
         pushed = np.zeros(3)
         if inertia is not None:
@@ -120,7 +123,7 @@ class ReactionFinder:
 
     def _pushing(self, loads: Sequence[Scaled]) -> Floats:
         """(dof,) the work of loads on the triangles at supports."""
-        out, key = np.zeros(self.layout.count), ("at supports", self.near.tobytes())
+        out, key = np.zeros(self.layout.count), ("works", self.near.where.tobytes())
         for load in loads:
             dofs, work = load.once(key, partial(self._work_there, load.alone))
             out[dofs] += load.factor * work
@@ -128,7 +131,7 @@ class ReactionFinder:
 
     def _work_there(self, load: Scaled) -> tuple[Ints, Floats]:
         """Degrees of freedom, and the work of a load on them."""
-        found = works(load, self.domain, self.layout, self.near)
+        found = works(load, self.layout, self.near)
         dofs = np.flatnonzero(found)
         return dofs, found[dofs]
 
@@ -142,7 +145,7 @@ class ReactionFinder:
         def find(lines: Lines) -> LineForces:
             # without what holds curved edges: that is the supports', too
             forms = [self.bending, *springs, *supports.ties]
-            r = residual(forms, [], domain, self.reduction, d, self.near) - self._pushing(loads)
+            r = residual(forms, [], self.reduction, d, self.near) - self._pushing(loads)
             if inertia is not None:
                 r = r - inertia
             wanted = np.sum([np.zeros(3), *totals.values()], axis=0)
@@ -239,19 +242,27 @@ class ReactionFinder:
         """Moments of held slopes; an edge in several groups is shared."""
         if not len(edges):
             return np.zeros(3)
+        key = "edges held", edges.tobytes()
+        if key not in self.kept:
+            self.kept[key] = self._weights_and_normals(edges)
+        weight, normal, bent = self.kept[key]
+        moment = r[self.layout.edge_dofs(edges)] * weight
+        if bent.any():
+            total = np.bincount(self.reduction.slaves.edges, slopes, len(self.domain.mesh.edges))
+            moment[bent] = total[edges[bent]] * weight[bent]
+        return np.array([0.0, (moment * normal[:, 1]).sum(), -(moment * normal[:, 0]).sum()])
+
+    def _weights_and_normals(self, edges: Ints) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+        """(n,) the share of a group in edges it holds, (n, 2) their normals, and (n,) whether they are bent."""
         count = sum(np.isin(edges, other.edges).astype(float) for other in self.supports.held)
-        weight = 1.0 / np.maximum(count, 1.0)
         ends = self.domain.points[self.domain.mesh.edges[edges]]
         t = (ends[:, 1] - ends[:, 0]) / self.domain.mesh.edge_lengths[edges][:, None]
         normal = np.stack([t[:, 1], -t[:, 0]], axis=1)
-        moment = r[self.layout.edge_dofs(edges)] * weight
         bent = np.isin(edges, self.reduction.slaves.edges)
         if bent.any():
             patch = self.domain.edge_points(edges[bent], np.array([0.5]), np.ones(1))
             normal[bent] = patch.normal[:, 0]
-            total = np.bincount(self.reduction.slaves.edges, slopes, len(self.domain.mesh.edges))
-            moment[bent] = total[edges[bent]] * weight[bent]
-        return np.array([0.0, (moment * normal[:, 1]).sum(), -(moment * normal[:, 0]).sum()])
+        return 1.0 / np.maximum(count, 1.0), normal, bent
 
     def _spring_force(self, form: Form, d: Floats) -> Floats:
         """What springs exert on the plate: minus their stiffness times the motion, on rigid motions."""

@@ -33,6 +33,7 @@ from kshell.result.rows import Rows
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+FEW = 16  # triangles that probes lie in
 STEP = 1e-5  # of a triangle's size: differences of a varying stiffness
 
 
@@ -69,7 +70,7 @@ class Fields:
         parts = []
         for start in range(0, len(triangles), BLOCK):
             block = triangles if len(triangles) <= BLOCK else triangles[start : start + BLOCK]
-            local = self._reference_dofs[block]
+            local = self._local(block)
             if xi.ndim == 2:
                 found = (local @ table.reshape(-1, local.shape[1]).T).reshape(len(block), *table.shape[:2])
             else:
@@ -77,6 +78,13 @@ class Fields:
             to_xy = matrices.derivative_map(self.domain.affine(block), order)
             parts.append(found if to_xy is None else found @ np.swapaxes(to_xy, 1, 2))
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    def _local(self, triangles: Ints) -> Floats:
+        """(n, reference dof) the same of some triangles; of a few alone where the maps of all are kept."""
+        if "_reference_dofs" in self.__dict__ or len(triangles) > FEW or not self.domain.few:
+            return self._reference_dofs[triangles]
+        m = self.element.transformation(self.domain.affine(self.domain.every))[triangles]
+        return np.asarray((m @ self.d[self.layout.triangle_dofs(triangles)][:, :, None])[..., 0])
 
     @cached_property
     def _reference_dofs(self) -> Floats:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from kshell.equilibrium.rigid_modes import Participation, RigidModes, RigidPart, rigid_modes
 from kshell.mesh.words import place
-from kshell.plate.assembly import assemble, residual
+from kshell.plate.assembly import Part, assemble, residual
 from kshell.plate.pattern import Pattern
 from kshell.plate.planes import plane_slopes
 from kshell.plate.problem import PlateProblem
@@ -43,8 +43,8 @@ class Weights:
         for piece in range(self.count) if added else ():
             inside = np.flatnonzero(self.piece == piece)
             d = rigid_motions(problem.domain, problem.layout, np.zeros(3), inside)  # 1, y, -x
-            every = np.arange(len(problem.mesh.triangles))
-            moving = [residual(added, [], problem.domain, problem.reduction, column, every) for column in d.T]
+            whole = Part(problem.domain, problem.every)
+            moving = [residual(added, [], problem.reduction, column, whole) for column in d.T]
             one, y, x = d.T @ np.stack(moving, axis=1)
             moments[piece] += [one[0], -one[2], one[1], x[2], y[1], -y[2]]
         self.moments, self.z = moments, z
@@ -91,8 +91,9 @@ def participation(problem: PlateProblem, vectors: Floats) -> Participation:
     weights = Weights(problem)
     every = np.arange(len(problem.mesh.triangles))
     motions = rigid_motions(problem.domain, problem.layout, weights.centre(), every)
+    whole = Part(problem.domain, every)
     moving = np.stack(
-        [residual(problem.inertia, [], problem.domain, problem.reduction, d, every) for d in motions.T],
+        [residual(problem.inertia, [], problem.reduction, d, whole) for d in motions.T],
         axis=1,
     )
     factors = np.zeros((vectors.shape[1], 6))
