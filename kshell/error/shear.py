@@ -320,6 +320,16 @@ def singular_places(problem: PlateProblem) -> tuple[Floats, NDArray[np.bool_]]:
     Corners, where supports change, and points that are held or loaded; corners of about 90 degrees between edges that
     are held differently are harmless: on meshes that do not resolve them predictions were right within 15 %.
     """
+    if "singular places" not in problem.shared:
+        problem.shared["singular places"] = _singular_vertices(problem)
+    vertices, its = problem.shared["singular places"]
+    loaded = [np.reshape(form.xy, (1, 2)) for form in problem.loads.forms if isinstance(form, PointLoad)]
+    places = np.concatenate([problem.domain.points[vertices], *loaded])
+    return places, np.append(its, np.ones(len(loaded), dtype=bool))
+
+
+def _singular_vertices(problem: PlateProblem) -> tuple[Ints, NDArray[np.bool_]]:
+    """The same of vertices, whatever the loads."""
     mesh, supports = problem.mesh, problem.supports
     held, turned = (np.zeros(len(mesh.edges), dtype=bool) for _ in range(2))
     found = {int(v): True for group in supports.held for v in group.points}
@@ -343,7 +353,4 @@ def singular_places(problem: PlateProblem) -> tuple[Floats, NDArray[np.bool_]]:
         if angle > (RIGHT if simple[v] else STRAIGHT):
             found[v] = True
     vertices = np.array(sorted(found), dtype=np.int64)
-    loaded = [np.reshape(form.xy, (1, 2)) for form in problem.loads.forms if isinstance(form, PointLoad)]
-    places = np.concatenate([problem.domain.points[vertices], *loaded])
-    strong = np.array([found[v] for v in vertices.tolist()] + [True] * len(loaded), dtype=bool)
-    return places, strong
+    return vertices, np.array([found[v] for v in vertices.tolist()], dtype=bool)

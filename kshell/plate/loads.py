@@ -184,7 +184,11 @@ class _Builder:
 
     @HANDLERS.of(Traction, Snow)
     def _traction(self, load: Any, placed: Placed[Any]) -> None:
-        self._area(placed, lambda triangles, xy: self._across(load, xy), polynomial_degree(load.value))
+        degree = polynomial_degree(load.value)
+        if is_constant(load.value):
+            self._area(placed, float(self._across(load, self.domain.points[:1])[0]), degree)
+        else:
+            self._area(placed, lambda triangles, xy: self._across(load, xy), degree)
 
     @HANDLERS.of(Gravity)
     def _gravity(self, load: Any, placed: Placed[Any]) -> None:
@@ -195,7 +199,13 @@ class _Builder:
             return mass * self._across(load, xy)
 
         even = self.section.constant_per_triangle
-        self._area(placed, weight, polynomial_degree(load.value) if even else None)
+        degree = polynomial_degree(load.value) if even else None
+        if is_constant(load.value) and self.section.uniform:
+            first = np.zeros(1, dtype=np.int64)
+            middle = self.domain.points[self.domain.mesh.triangles[first]].mean(axis=1)[:, None]
+            self._area(placed, float(weight(first, middle)[0, 0]), degree)
+        else:
+            self._area(placed, weight, degree)
         for added in weights(self.masses, placed, self.domain.mesh):
             HANDLERS.handle(self, added, self.out.warnings)
 

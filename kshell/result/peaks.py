@@ -38,23 +38,27 @@ NO_CORNERS: Mapping[int, str] = MappingProxyType({})
 
 def peaks(structure: Structure, corners: Mapping[int, str] = NO_CORNERS) -> dict[int, str]:
     """Vertices where stresses grow without bound, with what makes them; `corners` are those of the model, with kind."""
-    mesh, out = structure.space, {}
-    for vertex, kind in corners.items():
-        out[vertex] = f"{'an' if kind[0] in 'aeio' else 'a'} {kind}"
-    for vertex in _ends_inside(structure).tolist():
-        out[vertex] = "the end, or a corner, of a support inside"
-    for vertex in _ends(structure).tolist():
-        out[vertex] = "the end of a support"
+    out = {vertex: f"{'an' if kind[0] in 'aeio' else 'a'} {kind}" for vertex, kind in corners.items()}
+    if "ends of supports" not in structure.found:
+        structure.found["ends of supports"] = _of_supports(structure)
+    out |= structure.found["ends of supports"]
+    for load in structure.loads:
+        if not isinstance(load.item, PointForce | PointMoment) or load.place is None or load.link:
+            continue
+        if load.depends_on_time or np.any(load.item.at(load.places(structure.space))):
+            words = "a point force" if isinstance(load.item, PointForce) else "a point moment"
+            out |= dict.fromkeys(load.place.members.tolist(), words)
+    return out
+
+
+def _of_supports(structure: Structure) -> dict[int, str]:
+    """Those that supports make."""
+    out = dict.fromkeys(_ends_inside(structure).tolist(), "the end, or a corner, of a support inside")
+    out |= dict.fromkeys(_ends(structure).tolist(), "the end of a support")
     for support in structure.supports:
         if support.place is not None and support.place.dimension == 0 and support.item.freedoms:
             what = "spring" if isinstance(support.item, Elastic) else "support"
             out |= dict.fromkeys(support.place.members.tolist(), f"a point {what}")
-    for load in structure.loads:
-        if not isinstance(load.item, PointForce | PointMoment) or load.place is None or load.link:
-            continue
-        if load.depends_on_time or np.any(load.item.at(load.places(mesh))):
-            words = "a point force" if isinstance(load.item, PointForce) else "a point moment"
-            out |= dict.fromkeys(load.place.members.tolist(), words)
     return out
 
 

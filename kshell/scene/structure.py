@@ -73,6 +73,8 @@ class Structure:
         Whether materials are taken as elastic, whatever they remember of their past.
     notes : tuple of str
         What was made of its values, in words.
+    found : dict
+        What follows from it and is found once; another structure made from it begins anew.
     """
 
     space: Mesh
@@ -91,6 +93,7 @@ class Structure:
     touching: bool = False
     elastic: bool = False
     notes: tuple[str, ...] = ()
+    found: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def thickness(self) -> Floats:
