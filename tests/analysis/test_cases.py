@@ -401,3 +401,79 @@ def test_scene_of_a_case_is_as_one_made_anew(tmp_path):
     assert (tmp_path / "mine.toml").read_text().replace("mine", "anew") == (
         tmp_path / "anew.toml"
     ).read_text()
+
+
+def every_kind_of_load():
+    """Cases of all kinds of loads of a plate: formulas and numbers, on parts, edges and points, and warm."""
+    mesh = ks.geometry.Plane().mesh(6, 6, 1, ("left", "right", "bottom", "top"), (0, 1), (0, 1), "alternate")
+    inside = np.flatnonzero(mesh.points[mesh.triangles].mean(axis=1)[:, 0] > 0.5)
+    mesh = ks.mesh.Mesh(mesh.points, mesh.triangles, groups={**mesh.groups, "half": ks.mesh.Group(2, inside)})
+    loads = [
+        ks.Pressure(-100, name="number"),
+        ks.Pressure("-50 - 30 * x * y", name="formula"),
+        ks.Pressure("-100 * exp(-y)", on="half", name="part"),
+        ks.Traction((0, 0, -70.0), name="traction"),
+        ks.Gravity((0, 0, -1.0), name="dead"),
+        ks.LineForce("top", (0, 0, "-20 * x"), name="edge"),
+        ks.EdgeMoment("right", "5 + y", name="moment"),
+        ks.PointForce((0.5, 0.5, 0.0), (0, 0, -10.0), name="point"),
+        ks.Temperature(gradient=30.0, expansion=1e-5, name="warm"),
+    ]
+    return plate(
+        mesh=mesh,
+        loads=loads,
+        cases=[
+            *(ks.Case(load.name, [load.name]) for load in loads),
+            ks.Case("two", ["edge", "formula"], [-2.0, 0.5]),
+        ],
+        combinations=[ks.Combination("some", {"formula": 1.5, "dead": -0.3, "point": 2.0})],
+        solve={},
+    )
+
+
+def every_kind_on_a_shell():
+    loads = [
+        ks.Pressure(-0.9, name="number"),
+        ks.Traction((0, 0, "-0.02 * x"), name="formula"),
+        ks.LineForce("b", (0, 0, -1.0), name="edge"),
+        ks.Temperature(mean=0.1, gradient=0.5, expansion=1e-5, name="warm"),
+    ]
+    cases = [ks.Case(load.name, [load.name]) for load in loads]
+    both = ks.Combination("both", {"number": 2.0, "formula": -1.0})
+    return roof(loads=loads, cases=cases, combinations=[both], solve={})
+
+
+@pytest.mark.parametrize(
+    ("scene", "options"),
+    [
+        (every_kind_of_load, {"element": "argyris"}),
+        (every_kind_of_load, {"element": "morley"}),
+        (every_kind_of_load, {"element": "hhj"}),
+        (every_kind_on_a_shell, {}),
+    ],
+)
+def test_a_case_among_others_is_as_alone(scene, options):
+    """Values, intervals, reactions and words: nothing of a case depends on which others are solved with it."""
+    scene = scene()
+    for name, case in ks.solve(scene, **options).cases.items():
+        alone = ks.solve(scene.of_case(name), **options)
+        for key, of in (("u", "displacement"), ("rotation", "rotation"), ("M", "moment")):
+            for probe, values in alone.probes.items():
+                size = np.abs(alone.fields[of]).max()
+                assert case.probes[probe][key] == pytest.approx(values[key], rel=1e-9, abs=1e-9 * size)
+        largest = max(np.abs(found["force"]).max() for found in alone.reactions.values())
+        for group, found in alone.reactions.items():
+            assert case.reactions[group]["force"] == pytest.approx(found["force"], abs=1e-9 * largest + 1e-12)
+        mine, its = case.error, alone.error
+        assert mine["estimate"] == pytest.approx(its["estimate"], rel=1e-6)
+        assert mine["probes"].keys() == its["probes"].keys()
+        for probe in its["probes"]:
+            for part in ("half_width", "expected"):
+                found, expected = (e["probes"][probe]["u"][part] for e in (mine, its))
+                assert found == pytest.approx(expected, rel=1e-6)
+        for entry, share in its["budget"].items():
+            if entry != "algebra":
+                assert (mine["budget"][entry] or 0.0) == pytest.approx(share or 0.0, rel=1e-6)
+        assert case.model["reasons"] == alone.model["reasons"]
+        assert case.warnings == alone.warnings
+        assert case.strain_energy == pytest.approx(alone.strain_energy, rel=1e-9)
