@@ -27,6 +27,7 @@ from kshell.equilibrium.model import NO_DENSITY, Solved
 from kshell.errors import InputError
 from kshell.plate.assembly import Assembled, assemble, assemble_fixed, assemble_load, assemble_terms
 from kshell.plate.forms import AreaForm, Form
+from kshell.plate.loading import LinearForm
 from kshell.plate.model import PlateModel
 from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.planes import take_planes_off
@@ -177,7 +178,7 @@ class PartedPlateProblem(PlateProblem):
         self.stiffness = Divided(team, self, self.forms)
 
     def _assemble(self, pattern: Pattern | FullPattern | None = None) -> Assembled:
-        loads = [*self.loads.forms, *self.supports.hold_loads]
+        loads: list[LinearForm] = [*self.loads.forms, *self.supports.hold_loads]
         load, work = assemble_load(loads, self.domain, self.reduction)
         fixed_load, fixed_energy = assemble_fixed(self.forms, self.domain, self.reduction)
         return Assembled(self.stiffness.matrix(), load, work, fixed_load, fixed_energy)
