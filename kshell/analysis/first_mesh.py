@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kshell.analysis.plate_choice import has_curved_edges
 from kshell.analysis.refined_mesh import Refiner
 from kshell.analysis.run import Run
+from kshell.error.bounds import ORDER
 from kshell.error.geometry_share import (
     curvature_of_triangles,
     domed,
@@ -31,7 +32,6 @@ from kshell.plate.model import PlateModel
 
 Floats = NDArray[np.float64]
 
-COARSE = 5e-4  # tolerance from which equilibrated moments of order 3 are enough
 TURN, LARGEST_TURN = 0.1, 0.4  # radians by which a triangle of the first mesh may turn
 SHARE_SHAPE = 0.3  # of the tolerance, that a shape may use up
 MOST_CUTS = 60
@@ -60,7 +60,7 @@ def plate_start(
     pair = model.element == "argyris"
     if pair:
         try:
-            require_pair(problem, order_of_moments(run))
+            require_pair(problem, ORDER)
         except InputError:
             return mesh, False
     probes = [model.structure.probes[name] for name in names]
@@ -77,11 +77,6 @@ def plate_start(
         for place in places[: len(probes)]:
             mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), near)
     return mesh, pair
-
-
-def order_of_moments(run: Run) -> int:
-    """Polynomial order of equilibrated moments that a tolerance needs."""
-    return 3 if float(run.options.tolerance) > COARSE else 4
 
 
 def _is_place(on: Any) -> bool:

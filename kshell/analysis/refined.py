@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.analysis.first_mesh import order_of_moments, plate_start, shell_start
+from kshell.analysis.first_mesh import plate_start, shell_start
 from kshell.analysis.levels import SHARE_JUMPS, Level, Refinement, blocked, next_mesh, share_of_shape
 from kshell.analysis.plate_choice import chosen
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
@@ -178,7 +178,7 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
 
         model = build_model(run.structure, run.options)
         assert isinstance(model, PlateModel)
-        pair = PlatePair(model.problem, order_of_moments(run))
+        pair = PlatePair(model.problem)
         found = assess_pair(pair, loop.names, _strain_energy(pair))
         if run.structure.missed:
             found.with_loads(run.structure.missed, pair.conforming.largest())

@@ -42,7 +42,9 @@ from kshell.plate.problem import PlateProblem
 
 Floats = NDArray[np.float64]
 
-ORDER = 4  # of the equilibrated side: as sharp as the quintics of the conforming one; 3 is enough for 1e-3
+# of the equilibrated side: as sharp as the quintics of the conforming one, |d| is 1.02 to 1.4 times the error in energy
+# norm (order 5: 1.00 to 1.02); with order 3, in .7 to 1.0 of the time, 5 to 10 times where deflections are smooth
+ORDER = 4
 EPS = float(np.finfo(float).eps)
 FLOOR = 1e-13  # relative rounding of sums over triangles
 UNCERTAIN = 2.0  # the residual of the equilibrium is seen by conforming functions only

@@ -69,7 +69,7 @@ def assess_difference(
     stored = 0.5 * float(np.sum(strain * stress))
     out = Assessment(why_not=WHY_NOT, geometry=0.0)
     own = result.strain_energy
-    apart = float(_difference(model, solved, problem.energy, strain, stress).sum())
+    apart = float(energy_of_difference(model, solved, problem.energy, strain, stress).sum())
     off = max(abs(own - stored), 0.5 * apart)
     out.energy = Estimate(own, SAFETY * off, LIKELY * SAFETY * off, "estimated", WHY_NOT)
     share = off / abs(own) if own != 0.0 else 0.0
@@ -84,7 +84,9 @@ def assess_difference(
     return out
 
 
-def _difference(model: ChartModel, solved: Solved, koiter: Koiter, strain: Floats, stress: Floats) -> Floats:
+def energy_of_difference(
+    model: ChartModel, solved: Solved, koiter: Koiter, strain: Floats, stress: Floats
+) -> Floats:
     """(triangle,) |d|^2; strains and stresses (triangle, 2 r) of the Koiter elements."""
     energy: ChartKoiter = model.problem.energy
     surface = energy.surface

@@ -23,7 +23,7 @@ from kshell.plate.domain import Domain
 from kshell.scene.structure import resolve
 from kshell.shell.koiter.model import KoiterModel
 from tests.error.test_bounds import rhombus
-from tests.error.test_estimates import roof
+from tests.error.test_estimates import PLATES, roof
 from tests.plate.hhj_cases import MATERIAL, l_shape, problem, square
 from tests.plate.plates import disk, ellipse, ellipse_centre
 
@@ -58,6 +58,21 @@ def clamped_l() -> ks.Scene:
     return plate(
         dataclasses.replace(mesh, points=mesh.points - np.array([1.0, 1.0, 0.0])), ks.Clamped("edge")
     )
+
+
+@pytest.mark.parametrize("tolerance", [1e-1, 1e-2, 1e-4])
+@pytest.mark.parametrize("name", ["supported", "clamped", "l"])
+def test_guaranteed_energies_are_sharp(name: str, tolerance: float) -> None:
+    """|d| is at most 1.7 times the error in energy: the moments are as accurate as the deflections, smooth or not."""
+    if name == "l":
+        scene, true = clamped_l(), sum(L_ENERGY) / 2
+    else:
+        support, _, true = PLATES[name]
+        scene = plate(square(4), support)
+    energy = ks.solve(scene, tolerance=tolerance).error["energy"]
+    assert energy["kind"] == "guaranteed"
+    assert energy["lower"] < true < energy["upper"]
+    assert np.sqrt((energy["upper"] - energy["lower"]) / (true - energy["lower"])) <= 1.7
 
 
 def test_energy_of_the_clamped_l_is_guaranteed_and_optimal() -> None:

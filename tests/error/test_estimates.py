@@ -12,6 +12,10 @@ import pytest
 import kshell as ks
 from kshell.error.assessment import Interval
 from kshell.error.geometry_share import domed, share_of_chart, turn_between, turn_of_triangles
+from kshell.error.two_elements import energy_of_difference
+from kshell.scene.structure import resolve
+from kshell.shell.chart.model import ChartModel
+from kshell.shell.koiter.model import KoiterModel
 from kshell.verify.cases import large_scenes
 from kshell.verify.cases.case import TRUE_SURFACE
 from kshell.verify.cases.catalogue import find
@@ -284,6 +288,18 @@ def test_shells_on_charts_where_both_elements_are_off_alike(n: int) -> None:
     width = result.error["probes"]["tip"]["u"]["half_width"] @ np.abs(direction)
     assert off <= width + known.uncertainty * known.scale
     assert width <= 4.0 * off
+
+
+def test_the_energy_of_a_difference_from_nothing_is_that_of_the_whole() -> None:
+    """Of a roof whose layers are not alike: both ways to write |d|^2, in strains and in moments, are the energy."""
+    layers = [ks.Layer(ks.Isotropic(E=4.32e8 * part, nu=0.2), 0.1) for part in (1.0, 0.1)]
+    scene = dataclasses.replace(roof(2, 3), thickness=None, material=None, layers=layers)
+    structure = resolve(scene, scene.mesh)
+    model, other = ChartModel(structure), KoiterModel(structure, 3)
+    solved = model.solve()
+    none = np.zeros((len(scene.mesh.triangles), other.problem.energy.strains))
+    stored = 0.5 * energy_of_difference(model, solved, other.problem.energy, none, none).sum()
+    assert stored == pytest.approx(model.recover(solved).strain_energy, rel=1e-9)
 
 
 @pytest.mark.parametrize("stacked", [[0.0, 90.0], [30.0]])
