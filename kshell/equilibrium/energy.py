@@ -19,6 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.condensed import Condensed
 from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Sparsity
@@ -124,9 +125,12 @@ class StrainEnergy(Evaluated):
         without stress that stay.
     kept : int
         Unknowns up to which linear strains are kept from the matrix on; of more they are found again when needed.
+    inner : (i,) int array
+        Which unknowns of a triangle no other one shares.
     """
 
     kept = KEPT
+    inner: NDArray[np.int64] = np.zeros(0, dtype=np.int64)
     unknowns: int
     triangle_unknowns: NDArray[np.int32]
     strains: int
@@ -292,14 +296,21 @@ class StrainEnergy(Evaluated):
             np.add.at(out, (where[:, :, None], where[:, None]), self._product(gradient, triangles))
         return out
 
-    def free_stiffness(self, pattern: FreePattern) -> tuple[Floats, Floats]:
-        """The same in the free unknowns: entries of the pattern, and the diagonal (unknowns,) in all unknowns."""
+    def free_stiffness(
+        self, pattern: FreePattern, condensed: Condensed | None = None
+    ) -> tuple[Floats, Floats]:
+        """The same in the free unknowns: entries of the pattern, and the diagonal (unknowns,) in all unknowns.
+
+        Without those inside triangles, whose elimination is noted, if they are to be condensed.
+        """
         data, diagonal = np.zeros(pattern.entries + 1), np.zeros(self.unknowns)
         for triangles, gradient in zip(self.blocks, self._gradients_at_rest(), strict=True):
             matrices = self._product(gradient, triangles)
-            pattern.add(data, triangles, matrices)
             own = np.einsum("eii->ei", matrices)
             np.add.at(diagonal, self.triangle_unknowns[triangles].ravel(), own.ravel())
+            if condensed is not None:
+                condensed.reduce(triangles, matrices)
+            pattern.add(data, triangles, matrices)
         return data[:-1], diagonal
 
     def linear_strain(self, x: Floats) -> Floats:

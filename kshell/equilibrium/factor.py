@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.condensed import Condensed
 from kshell.equilibrium.energy import StrainEnergy
 from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.reduced import ReducedPattern
@@ -126,12 +127,17 @@ class Factoriser:
                 stiffness = stiffness + springs
             return self.factorise(stiffness), stiffness.diagonal()
         diagonal: list[Floats] = []
+        condensed: Condensed | None = None
+        if springs is None and len(energy.inner):
+            found = Condensed(energy.triangle_unknowns, energy.inner, basis)
+            if found.possible:
+                condensed, basis = found, found.outer
 
         def made(kind: type) -> Factor:
             dissected = kind is SuperLU or (kind is Cholmod and basis.shape[1] > DISSECTED_FROM)
             place = energy.group_places if dissected else None
             pattern = FreePattern(energy.sparsity, basis, place)
-            entries, own = energy.free_stiffness(pattern)
+            entries, own = energy.free_stiffness(pattern, condensed)
             if not np.all(np.isfinite(entries)):
                 raise SolveError("the stiffness is not finite: the step led too far away")
             diagonal[:] = [own if springs is None else own + springs.diagonal()]
@@ -157,6 +163,8 @@ class Factoriser:
             return _renumbered(kind(indptr, indices).factorise(entries), number)
 
         factor = self._first(made, True)
+        if condensed is not None:
+            factor = factor._replace(solve=condensed.solving(factor.solve))
         return factor, diagonal[0]
 
     def _first(self, factorised: Callable[[type], Factor], definite: bool) -> Factor:

@@ -109,6 +109,7 @@ class Koiter(StrainEnergy):
         self.unknowns = surface.unknowns
         self.triangle_unknowns = surface.triangle_unknowns
         self.strains = 2 * surface.reference.strains
+        self.inner = surface.inner_columns
         self.rest = rest_directors(surface) if rest is None else rest
         self._both = np.concatenate([surface.reference.first, surface.reference.second])
 

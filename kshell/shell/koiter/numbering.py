@@ -98,6 +98,12 @@ class NumberedMesh:
             [translations, self.rotation_start + self.triangle_rotations], axis=1
         ).astype(np.int32)
 
+    @property
+    def inner_columns(self) -> NDArray[np.int64]:
+        """(i,) columns of `triangle_unknowns` that belong to nodes inside triangles."""
+        n = self.triangle_nodes.shape[1]
+        return (n * np.arange(3)[:, None] + np.arange(3 * self.order, n)).ravel()
+
     def nodes_of_edges(self, edges: ArrayLike) -> Ints:
         """Nodes on edges, sorted, without repetition."""
         edges = np.asarray(edges, dtype=np.int64)
