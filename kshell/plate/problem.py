@@ -15,7 +15,7 @@ from kshell.elements import ElementArgyris, ElementMorley, PlateElement, matrice
 from kshell.material.laminate import require_symmetric
 from kshell.mesh.check import plate_problems
 from kshell.mesh.words import count, place
-from kshell.plate.assembly import Assembled, assemble, assemble_load, assemble_loads, residual
+from kshell.plate.assembly import Assembled, Part, assemble, assemble_load, assemble_loads, residual
 from kshell.plate.conditions import SharedSlopes
 from kshell.plate.corners import corner_angles, infinite_moments, singular_corners
 from kshell.plate.domain import Domain
@@ -229,8 +229,8 @@ class PlateProblem:
     def _stored(self, q: Floats) -> float:
         """Strain energy, bending through strains: of small triangles that move far the matrix tells it badly."""
         d = self.reduction.expand(q)
-        every = np.arange(len(self.mesh.triangles))
-        return 0.5 * float(d @ residual(self.forms, [], self.domain, self.reduction, d, every))
+        whole = Part(self.domain, self.every)
+        return 0.5 * float(d @ residual(self.forms, [], self.reduction, d, whole))
 
     def _work_of_supports(self, q: Floats) -> float:
         """Work g (K d - f) of what supports exert on the prescribed motion, as if it acted in full."""
