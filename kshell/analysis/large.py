@@ -62,7 +62,7 @@ def indicate(model: FiniteModel, solution: LinearSolution, tolerance: float = TO
     The correction keeps the linear stress in its tangent, as newton.py does: the true stress of the linear
     displacements, which stretches where the shell only turns, would call every cantilever stiff.
     """
-    equilibrium = model.near_rest()
+    equilibrium = model.alike(model.near_rest())
     elastic, basis = equilibrium.energy, equilibrium.reduction.basis
     weights = np.sqrt(elastic.translation_weights())
     size = float(np.linalg.norm(weights * solution.x))

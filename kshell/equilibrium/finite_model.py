@@ -47,6 +47,10 @@ class FiniteModel(MovingModel):
     def near_rest(self) -> Problem:
         """The same for a look at what is near a linear solution, whatever turns by small turns only."""
 
+    def alike(self, near: Problem) -> Problem:
+        """That of `near_rest`, with what it has in common with those of other load cases where that is kept."""
+        return near
+
     @property
     def yields(self) -> bool:
         """Whether what a load leaves behind depends on the way it grew."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import numpy as np
 import scipy.sparse as sp
@@ -158,9 +158,15 @@ class Problem:
             springs = (self.springs + springs).tocsr()
         if self.constant is not None:
             constant = self.constant + constant
-        out = replace(self, springs=springs, constant=constant)
-        out.__dict__["_factoriser"] = self._factoriser
-        return out
+        return replace(self, springs=springs, constant=constant).factorising_as(self)
+
+    def factorising_as(self, other: Self) -> Self:
+        """This one, with the pattern and order that another one of the same structure has for its tangents.
+
+        A factor of either then serves until the next one of both.
+        """
+        self.__dict__["_factoriser"] = other._factoriser
+        return self
 
     def start(self) -> State:
         """The rest state."""
