@@ -17,7 +17,7 @@ from tests.distributed.processes import ENVIRONMENT, MISSING, ROOT, command_of, 
 
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"the extra distributed is not installed: {MISSING}")
 
-SOON = 30.0  # seconds in which all end, on a busy machine too: who hangs does not end at all
+SOON = 5.0  # seconds in which all end, on a machine that does nothing else; 1.1 to 1.8 were measured on a busy one
 MAIN = "from kshell.cli.commands import main\nmain()\n"
 # where an error is put: module, what is called there, and the stage it belongs to
 STAGES = {
@@ -33,7 +33,14 @@ STAGES = {
     "recover": ("kshell.shell.model", "answer_linear"),
     "cut": ("kshell.distributed.saving", "piece_of"),
     "write": ("kshell.distributed.saving", "write_triangles"),
+    # outside of what processes agree on
+    "spread": ("kshell.distributed.shares", "Share.spread"),
+    # of a plate
+    "maps": ("kshell.distributed.plate_piece", "PlateData.of"),
+    "part": ("kshell.distributed.plate_piece", "PlatePart.__init__"),
+    "forms": ("kshell.distributed.plate", "assemble"),
 }
+PLATE = ("maps", "part", "forms")
 INJECT = """
 import importlib, os, sys, time
 module, name, rank, kind, mark = {arguments!r}
@@ -78,6 +85,26 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.fixture(scope="module")
+def plate(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    mesh = ks.geometry.Plane().mesh(4, 4, 1, ("a", "b", "c", "d"), (0.0, 1.0), (0.0, 1.0))
+    file = tmp_path_factory.mktemp("plate") / "scene.toml"
+    ks.Scene(
+        mesh=mesh,
+        thickness=0.01,
+        material=ks.Isotropic(E=1.0, nu=0.3),
+        supports=[ks.Clamped("a")],
+        loads=[ks.Pressure(1e-9)],
+        solve={"model": "plate", "large_deflection": False},
+    ).save(file)
+    return file
+
+
+def soon() -> float:
+    """Seconds in which all end, as busy as the machine is now."""
+    return SOON * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
+
+
 def errors_in(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.startswith("error: ")]
 
@@ -97,19 +124,25 @@ def errors_in(text: str) -> list[str]:
         ("recover", 0, "ValueError", 1),
         ("cut", 0, "SolveError", 1),
         ("write", 1, "SolveError", 1),
+        ("spread", 1, "ValueError", 1),
+        ("maps", 0, "ValueError", 1),
+        ("part", 1, "SolveError", 1),
+        ("forms", 1, "MemoryError", 1),
     ],
 )
 def test_an_error_on_one_process_ends_all(
-    scene: Path, tmp_path: Path, stage: str, rank: int, kind: str, code: int
+    scene: Path, plate: Path, tmp_path: Path, stage: str, rank: int, kind: str, code: int
 ) -> None:
     mark = tmp_path / "when"
     inject = INJECT.format(arguments=(*STAGES[stage], str(rank), kind, str(mark)))
-    done = run_code(max(rank + 1, 2), inject + MAIN, "solve", scene, "-o", tmp_path / "out")
+    done = run_code(
+        max(rank + 1, 2), inject + MAIN, "solve", plate if stage in PLATE else scene, "-o", tmp_path / "out"
+    )
     after = time.time() - float(mark.read_text(encoding="utf-8"))
     assert done.returncode == code, done.stderr
     (message,) = errors_in(done.stderr)
     assert "out of memory" in message if kind == "MemoryError" else "put here on purpose" in message
-    assert after <= SOON * max(1.0, os.getloadavg()[0] / 2.0)
+    assert after <= soon()
     assert not list(tmp_path.glob("out/*"))  # nothing half written
     assert "Traceback" not in done.stderr
 
@@ -155,6 +188,6 @@ def test_a_killed_process_ends_all(scene: Path, tmp_path: Path) -> None:
         begin = time.monotonic()
         running.communicate(timeout=60.0)
         assert running.returncode != 0
-    assert time.monotonic() - begin <= SOON
+    assert time.monotonic() - begin <= soon()
     assert not any(psutil.pid_exists(pid) for pid in pids)
     assert not (tmp_path / "out" / "result.json").exists()
