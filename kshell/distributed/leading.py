@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, cast
+from typing import Any, NoReturn, cast
 
 import numpy as np
 
@@ -19,18 +19,28 @@ from kshell.result.rows import Rows
 from kshell.solvers.memory import peak_bytes
 
 
+def _asked_of_first(self: Result, *given: Any, **more: Any) -> NoReturn:
+    """Stands for what needs mesh and fields."""
+    raise SolveError(
+        "the first process alone has mesh and fields of a result: ask there, where mpi4py.MPI.COMM_WORLD.rank is 0; "
+        "probes, reactions and extremes are known to all"
+    )
+
+
 @dataclass(kw_only=True, repr=False)
 class Told(Result):
     """What processes other than the first have of a result: everything but mesh and fields, which are the first's.
 
-    Its `save` writes the piece that the first process gives this one.
+    Its `save` writes the piece that the first process gives this one. What only fields tell is refused.
     """
+
+    at = cut = plot = show = report = _asked_of_first
 
     def save(
         self, folder: Any, plots: bool = False, report: bool = False, tables: bool = False, xdmf: bool = False
     ) -> list[str]:
         assert self.writer is not None
-        return self.writer(self, folder, {})
+        return self.writer(self, folder, dict)
 
 
 def answered(team: Team, work: Callable[[], Result]) -> Result:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +16,15 @@ from kshell.distributed.team import Team
 from kshell.errors import InputError
 from kshell.result.pieces import old_pieces, piece_name, piece_of, pieces_index
 from kshell.result.result import Result
-from kshell.result.saving import Writer, cannot_be_written, unfinished, writers_of
+from kshell.result.saving import Writer, cannot_be_written, unfinished, writers_with
 from kshell.result.vtu import facts, unstructured
 from kshell.result.vtu_file import write_triangles
 
 
 def save_pieces(
-    team: Team, result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, Writer]
+    team: Team, result: Result, folder: str | os.PathLike[str], files: Callable[[], Mapping[str, Writer]]
 ) -> list[str]:
-    """Write result.json, result.pvtu and its pieces, and the given pictures, with all processes.
+    """Write result.json, result.pvtu and its pieces, and what `files` gives on the first, with all.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def save_pieces(
     def more() -> dict[str, Writer]:
         if team.rank:
             return {}
-        found = writers_of(result) | dict(pictures)
+        found = writers_with(result, files())
         del found["result.vtu"]
         return {
             **found,

@@ -78,18 +78,20 @@ class Kept:
         SolveError
             If a value is NaN or infinite.
         """
-        files = doors.picture_files(self._result, plots)
-        if report:
-            files["report.html"] = doors.report_writer(self._result)
-        if tables:
-            files |= table_files(self._result)
-        if xdmf:
-            files |= in_one_file(self._result)
-        return (
-            save(self._result, folder, files)
-            if self.writer is None
-            else self.writer(self._result, folder, files)
-        )
+
+        def files() -> dict[str, Callable[[Path], object]]:
+            found = doors.picture_files(self._result, plots)
+            if report:
+                found["report.html"] = doors.report_writer(self._result)
+            if tables:
+                found |= table_files(self._result)
+            if xdmf:
+                found |= in_one_file(self._result)
+            return found
+
+        if self.writer is not None:
+            return self.writer(self._result, folder, files)
+        return save(self._result, folder, files())
 
     def report(self, file: str | os.PathLike[str]) -> list[str]:
         """Write a report: one HTML file that needs no other and no network.

@@ -79,7 +79,8 @@ class Result(Asked, Kept):
     nodal_values : str
         How values at vertices are made.
     writer : callable, optional
-        Writes the files where several processes have the result, `writer(result, folder, pictures)`.
+        Writes the files where several processes have the result, `writer(result, folder, files)`; `files` gives
+        what else is to be written.
     cell_fields : dict of str to (triangle,) or (triangle, k) array
     edge_fields : dict of str to (edge, k) array
         Values at the middle of edges, for pictures and files of curved triangles.

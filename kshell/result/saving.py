@@ -33,8 +33,13 @@ Writer = Callable[[Path], object]  # writes one file at the path
 
 def save(result: Result, folder: str | os.PathLike[str], pictures: Mapping[str, Writer]) -> list[str]:
     """Write result.json, result.vtu and the given pictures. See `Result.save`."""
-    writers = writers_of(result, states=not any(name.endswith(".xdmf") for name in pictures))
-    return write_together(Path(folder), writers | dict(pictures))
+    return write_together(Path(folder), writers_with(result, pictures))
+
+
+def writers_with(result: Result, pictures: Mapping[str, Writer]) -> dict[str, Writer]:
+    """What writes all files of a result and the given ones, which may have the states in one file."""
+    states = not any(name.endswith(".xdmf") for name in pictures)
+    return writers_of(result, states=states) | dict(pictures)
 
 
 def writers_of(result: Result, states: bool = True) -> dict[str, Writer]:

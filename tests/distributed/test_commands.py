@@ -11,7 +11,7 @@ import pytest
 
 import kshell as ks
 from tests.distributed.processes import MISSING, run_code
-from tests.distributed.test_mpi import cases, large
+from tests.distributed.test_mpi import SCENES, cases, large
 
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"the extra distributed is not installed: {MISSING}")
 
@@ -59,6 +59,63 @@ def test_all_files_of_load_cases_are_written(tmp_path: Path) -> None:
     written = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
     assert {"two", "both"} <= set(written["cases"])
     assert done.stdout.count("written: ") >= len(names) - 1  # said once, by the first
+
+
+def test_states_of_a_path_are_written_into_one_file(tmp_path: Path) -> None:
+    pytest.importorskip("h5py")
+    large(analysis="path", steps=3).save(tmp_path / "scene.toml")
+    done = run_code(2, MAIN, "trace", tmp_path / "scene.toml", "-o", tmp_path / "out", "--xdmf")
+    assert done.returncode == 0, done.stderr
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert {"series.xdmf", "series.h5", "result.pvtu"} <= names
+    assert not [name for name in names if name.startswith("series-")]
+
+
+# what each process of two is told
+ASKED = """
+import json, os, sys, warnings
+import numpy as np
+import kshell as ks
+
+warnings.simplefilter("ignore")
+folder, name = sys.argv[1:]
+result = ks.solve(ks.Scene.load(f"{folder}/{name}.toml"), solver="petsc")
+said = {}
+asked = {
+    "at": lambda: result.at((0.3, 0.4, 0.0))["u"],
+    "cut": lambda: result.cut((0.3, 0.93, 0.45), (0, 0.3, 1))["force"],
+    "along": lambda: result.reaction_along(next(iter(result.reactions)))["resultant"]["force"],
+    "save": lambda: result.save(f"{folder}/{name}-saved", xdmf=True),
+}
+for what, ask in asked.items():
+    try:
+        said[what] = np.ravel(ask()).tolist()
+    except ks.KshellError as error:
+        said[what] = f"{type(error).__name__}: {error}"
+with open(f"{folder}/{name}-{os.environ['PMI_RANK']}.json", "w") as file:
+    json.dump(said, file)
+"""
+
+
+@pytest.mark.parametrize("name", ["cases", "argyris"])
+def test_what_a_result_is_asked_is_answered_or_refused_in_words(tmp_path: Path, name: str) -> None:
+    SCENES[name]().save(tmp_path / f"{name}.toml")
+    done = run_code(2, ASKED, tmp_path, name)
+    assert done.returncode == 0, done.stderr
+    first, other = (json.loads((tmp_path / f"{name}-{rank}.json").read_text()) for rank in range(2))
+    alone = ks.solve(ks.Scene.load(tmp_path / f"{name}.toml"))
+    np.testing.assert_allclose(first["at"], np.ravel(alone.at((0.3, 0.4, 0.0))["u"]), rtol=1e-7, atol=1e-12)
+    force = alone.cut((0.3, 0.93, 0.45), (0, 0.3, 1))["force"] if name == "cases" else np.array([])
+    if len(force):
+        np.testing.assert_allclose(first["cut"], force, atol=1e-7 * np.abs(force).max())
+    resultant = alone.reaction_along(next(iter(alone.reactions)))["resultant"]["force"]
+    np.testing.assert_allclose(first["along"], resultant, atol=1e-7 * np.abs(resultant).max())
+    np.testing.assert_allclose(other["along"], first["along"])
+    for what in ("at", "cut"):
+        assert other[what].startswith("SolveError: the first process alone has mesh and fields")
+    # what the first finds wrong before anything is written ends both
+    assert first["save"] == other["save"]
+    assert first["save"].startswith("InputError: xdmf: this result has no states")
 
 
 def test_what_cannot_go_on_is_written_up_to_there(tmp_path: Path) -> None:
