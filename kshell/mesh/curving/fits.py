@@ -32,6 +32,8 @@ GROWN = 2  # rings by which neighbourhoods that do not determine the surface gro
 DETERMINED = 1e-3
 VANISHING = 1e-9  # columns that are left out, against the largest: powers of z in a flat neighbourhood
 ROUNDING = 1e-7  # singular values that count as zero
+# of few vertices those whose neighbours are as many up to this number are fitted together
+FEW, TOGETHER = 100, 16
 NEAR = 0.1  # weights are 1 / (NEAR + r), r from 0 to 1
 
 
@@ -101,12 +103,17 @@ class Fits:
 
     def _solve(self, which: Ints, reach: Any) -> None:
         count = np.diff(reach.indptr)
-        for m in np.unique(count):
-            mine = np.flatnonzero(count == m)
-            self._least_squares(which[mine], reach.indices[reach.indptr[mine][:, None] + np.arange(m)])
+        step = TOGETHER if len(which) <= FEW else 1
+        rounded = -(-count // step) * step
+        for m in np.unique(rounded):
+            mine = np.flatnonzero(rounded == m)
+            place = reach.indptr[mine][:, None] + np.arange(m)
+            near = np.arange(m) < count[mine, None]
+            around = np.where(near, reach.indices[np.where(near, place, 0)], which[mine, None])
+            self._least_squares(which[mine], around, count[mine])
 
-    def _least_squares(self, rows: Ints, around: Ints) -> None:
-        """Fit at vertices (n,) to vertices (n, m) around them."""
+    def _least_squares(self, rows: Ints, around: Ints, count: Ints) -> None:
+        """Fit at vertices (n,) to count (n,) of the vertices (n, m) around them; the others are the vertex itself."""
         points = self.near.points
         d = points[around] - points[rows][:, None]
         x = d @ self.near.frame[rows].swapaxes(1, 2)
@@ -135,8 +142,8 @@ class Fits:
         c /= scale
         rest = (a @ c[..., None])[..., 0] - b
         squares = (rest * rest).sum(axis=1) + factor[:, n_terms, n_terms] ** 2
-        free = max(around.shape[1] - 1 - n_terms, 1)
-        mean = squares / (weight * weight).sum(axis=1) * (around.shape[1] / free)
+        free = np.maximum(count - 1 - n_terms, 1)
+        mean = squares / (weight * weight).sum(axis=1) * (count / free)
         self.residual[rows] = np.sqrt(mean) * length
         self.length[rows] = length
         self.coefficients[rows] = c
