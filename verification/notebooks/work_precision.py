@@ -4,7 +4,7 @@
 # How much time and how many unknowns does an error cost, with kshell's elements and solvers and with other programs?
 # Every line below is one method on finer and finer meshes; left and below is better.
 #
-# **What is timed**: processor time on one thread from the arrays of a mesh to the solution, best of up to three, each
+# **What is timed**: processor time on one thread from the arrays of a mesh to the solution, best of 3 to 12, each
 # program in a process of its own, without imports and a first small solve. `ks.solve` also checks mesh, supports and
 # equilibrium in this time, but does not estimate errors (`error = "off"`), as no other program does; the drivers of the
 # others (`verification/peers`) build the model, assemble and solve. Values at points are read behind the clock.

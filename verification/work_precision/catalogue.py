@@ -37,6 +37,7 @@ _HHJ_DISK = {
     "kshell HHJ, order 4": (1, 2, 4, 8),
     "kshell HHJ, order 5": (1, 2, 4, 8),
     "kshell HHJ, order 6": (1, 2, 4, 8),
+    "kshell HHJ, order 7": (1, 2, 4),
     "kshell HHJ, order 8": (1, 2, 4),
 }
 
@@ -62,9 +63,9 @@ PLATES = (
             "scikit-fem Argyris": (4, 8, 16),
             "scikit-fem Morley": (8, 16, 32),
             "NGSolve plate, order 2": (4, 8, 16, 32),
-            "NGSolve plate, order 3": (4, 8, 16, 32),
-            "NGSolve plate, order 4": (4, 8, 16),
-            "NGSolve plate, order 5": (2, 4, 8, 16),
+            "NGSolve plate, order 3": (2, 4, 8, 16, 32),
+            "NGSolve plate, order 4": (1, 2, 4, 8, 16),
+            "NGSolve plate, order 5": (1, 2, 4, 8, 16),
             "NGSolve plate, order 6": (1, 2, 4, 8),
             "NGSolve plate, order 7": (1, 2, 4),
             "NGSolve plate, order 8": (1, 2, 4),

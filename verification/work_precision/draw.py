@@ -53,7 +53,7 @@ PEERS = {
 MARKERS = "os^vDPX*"
 NAMES = {"compliance": "energy", "w": "deflection", "M": "moment"}
 TIMED = (
-    "Seconds: processor time on one thread from the arrays of the mesh to the solution, best of up to three, without "
+    "Seconds: processor time on one thread from the arrays of the mesh to the solution, best of 3 to 12, without "
     "imports and a first small solve; each program in a process of its own.\nIn this time kshell also checks mesh, "
     "supports and equilibrium, without estimates of errors; the others build, assemble and solve. Values at points are "
     "read behind the clock."

@@ -24,7 +24,8 @@ from verification.work_precision.problems import QUANTITIES, Comparison
 REPOSITORY = Path(__file__).parents[2]
 DRIVERS = Path(verification.peers.__file__).parent
 THREADS = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-REPEATS, PATIENCE = 3, 0.3  # three times, once where it takes longer
+REPEATS, TOGETHER = (3, 12), 0.1  # three times at least, more where that is soon done
+PATIENCE = 0.3  # once where it takes longer
 ROUNDS = (
     2  # of all programs in turn: the least seconds count, so that no program meets the worse minutes alone
 )
@@ -104,6 +105,7 @@ def _run(
         **problem.facts(program.program),
         "parts": parts,
         "repeats": REPEATS,
+        "together": TOGETHER,
         "patience": PATIENCE,
         "longest": LONGEST,
     }
