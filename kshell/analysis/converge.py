@@ -148,7 +148,7 @@ def converge(
     if chosen.analysis != "static":
         raise InputError(f'converge is for static scenes, this one has analysis = "{chosen.analysis}"')
     structure = resolve(scene, scene.read_mesh(allow_system))
-    run = Run(scene, structure, chosen, Clock(progress), progress)
+    run = Run(scene, structure, chosen, Clock(progress), progress, allow_system=allow_system)
     first = answer_once(run.model(), run)
     large = bool(first.result.model["large_deflection"])
     kind = first.model.kind
@@ -193,7 +193,7 @@ def _series(run: Run, levels: int) -> Series:
             out.values.setdefault(f"{name} u_{'xyz'[along]}", []).append(float(probe["u"][along]))
         run.tell(f"{model.element} {model.order}, mesh {level + 1}: {result.unknowns} unknowns")
         if level + 1 < levels:
-            refiner = Refiner(run.scene, model) if refiner is None else refiner
-            mesh = refiner.refined(mesh, np.arange(len(mesh.triangles))).mesh
+            refiner = Refiner(run.scene, model, run.allow_system) if refiner is None else refiner
+            mesh = refiner.refined(mesh, np.arange(len(mesh.triangles)))
     assert out is not None
     return out

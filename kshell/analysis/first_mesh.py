@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.plate_choice import has_curved_edges
 from kshell.analysis.refined_mesh import Refiner
+from kshell.analysis.remeshed import in_space, single_places
 from kshell.analysis.run import Run
 from kshell.error.bounds import ORDER
 from kshell.error.geometry_share import (
@@ -53,7 +53,7 @@ def plate_start(
                 around = (mesh.triangles == vertex).any(axis=1)
                 if not cuttable(mesh)[around].all():
                     break
-                mesh = refiner.refined(mesh, np.flatnonzero(around)).mesh
+                mesh = refiner.refined(mesh, np.flatnonzero(around))
         return mesh, False
     if mesh.midpoints is not None:  # straight edges need no nodes in their middle, and bounds take none
         mesh = Mesh(mesh.points, mesh.triangles, None, mesh.groups)
@@ -64,8 +64,7 @@ def plate_start(
         except InputError:
             return mesh, False
     probes = [model.structure.probes[name] for name in names]
-    single = [item.on for item in (*run.scene.supports, *run.scene.loads) if _is_place(item.on)]
-    places = np.array([_in_space(p, mesh) for p in (*probes, *single)]).reshape(-1, 3)
+    places = np.array([in_space(p, mesh) for p in (*probes, *single_places(run.scene))]).reshape(-1, 3)
     mesh, left = with_vertices(mesh, places)
     pair = pair and not any(number < len(probes) for number in left)
     exponents = corner_exponents(problem)
@@ -77,14 +76,6 @@ def plate_start(
         for place in places[: len(probes)]:
             mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), near)
     return mesh, pair
-
-
-def _is_place(on: Any) -> bool:
-    return isinstance(on, tuple | list | np.ndarray) and len(on) in (2, 3) and not isinstance(on[0], str)
-
-
-def _in_space(place: Any, mesh: Mesh) -> Floats:
-    return np.array([*np.asarray(place, dtype=float)[:2], mesh.points[0, 2]])
 
 
 def shell_start(run: Run, mesh: Mesh, membrane: float) -> Mesh:

@@ -100,7 +100,7 @@ def narrowed(
     turned = first.run.on_mesh(longest_first(first.run.structure.parameters))
     clock = time.process_time()
     stages = [_again(first, turned, again)]  # triangles are cut at their first edge
-    refiner = Refiner(turned.scene, stages[0].model)
+    refiner = Refiner(turned.scene, stages[0].model, turned.allow_system)
     start = stages[0]
     shape = Shape.of(start.model, start.found.vectors, shape_is_known(first.run.scene), refiner.followed)
     widths: list[float] = []
@@ -124,6 +124,8 @@ def narrowed(
         why = _why_stop(first.run, widths, time.perf_counter() - begin)
         why = why or shape.limits(tolerance, narrow)
         mesh = None if why else _next_mesh(stage, known, refiner, widths[-1] / tolerance)
+        if refiner.lost and not len(shape.frozen[shape.frozen > 0.0]):
+            shape = Shape.of(stage.model, stage.found.vectors, False)
         if mesh is not None and _too_many(stage, mesh):
             why = "the mesh is not refined further"
         if why or mesh is None:
@@ -213,19 +215,19 @@ def _next_mesh(stage: Stage, known: Known, refiner: Refiner, excess: float) -> M
     mesh, misfit = stage.run.structure.parameters, known.misfit
     count = len(mesh.triangles)
     if misfit is None:
-        return refiner.refined(mesh, np.arange(count)).mesh
+        return refiner.refined(mesh, np.arange(count))
     order = np.argsort(-misfit, kind="stable")
     most = int(np.searchsorted(np.cumsum(misfit[order]), BULK * misfit.sum())) + 1
     marked: Ints = np.arange(count) if most > EVERYWHERE * count else order[:most]
     corners = _corners(mesh, misfit)
-    mesh = refiner.refined(mesh, marked).mesh
+    mesh = refiner.refined(mesh, marked)
     # moments like r^-s at a corner with s near 1 gain little by every halving; far from the tolerance take several
     deeper = int(min(DEEPER, np.ceil(np.log2(excess) / 2))) if len(corners) else 0
     for _ in range(deeper):
         around = np.isin(mesh.triangles, corners).any(axis=1) & cuttable(mesh)
         if not around.any():
             break
-        mesh = refiner.refined(mesh, np.flatnonzero(around)).mesh
+        mesh = refiner.refined(mesh, np.flatnonzero(around))
     return mesh
 
 

@@ -14,7 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.analysis.first_mesh import plate_start, shell_start
-from kshell.analysis.levels import SHARE_JUMPS, Level, Refinement, blocked, next_mesh, share_of_shape
+from kshell.analysis.levels import (
+    SHARE_JUMPS,
+    Level,
+    Refinement,
+    blocked,
+    keep_shapes,
+    next_mesh,
+    share_of_shape,
+    too_coarse,
+)
 from kshell.analysis.plate_choice import chosen
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
@@ -26,6 +35,7 @@ from kshell.error.assessment import ENERGY, MISSED, PROBES
 from kshell.error.bounds import PlatePair
 from kshell.error.plates import assess_pair, geometry_share
 from kshell.error.shells import share_when_cut
+from kshell.error.sizes import MOST_GROWTH
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
@@ -33,6 +43,7 @@ from kshell.mesh.words import count
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 from kshell.result.result import Result
+from kshell.scene.options import SolveOptions
 from kshell.shell.koiter.model import KoiterModel
 from kshell.shell.koiter.recovery import energies
 from kshell.solvers.memory import SHARE, available_bytes, peak_bytes
@@ -89,7 +100,9 @@ def analyse(model: Model, run: Run) -> Result:
         held["order"] = 4
     run = run.with_options(**held, large_deflection=large)
     mesh = longest_first(model.structure.parameters)
-    loop = Refinement(run, names, False, begin, Refiner(run.scene, model), quartics=quartics, why=why)
+    loop = Refinement(
+        run, names, False, begin, Refiner(run.scene, model, run.allow_system), quartics=quartics, why=why
+    )
     followed = loop.refiner.followed
     if isinstance(model, PlateModel | HHJModel):
         mesh, loop.pair = plate_start(model, mesh, names, run, loop.refiner)
@@ -133,9 +146,12 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
     """Levels until the tolerance is met, or a reason not to go on is found."""
     tolerance = float(loop.run.options.tolerance)
     stalled = 0
+    growth = GROWTH
     while True:
         before = time.perf_counter()
         try:
+            if loop.levels:
+                mesh = next_mesh(loop, loop.levels[-1], tolerance, growth)
             level = _solved(loop, mesh, before)
         except KeyboardInterrupt:
             if not loop.levels:
@@ -156,16 +172,16 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
             f"level {len(loop.levels)}: {level.unknowns} unknowns, within {100 * level.half_width:.2g} % "
             f"({_kind(loop, level)}), {time.perf_counter() - loop.begin:.2g} s"
         )
-        if level.half_width <= tolerance:
+        if level.half_width <= tolerance and not too_coarse(loop, level):
             return
         if len(loop.levels) > 1:
             last = loop.levels[-2]
             gained = level.half_width <= STALLED * last.half_width * (last.unknowns / level.unknowns) ** 0.5
             stalled = 0 if gained else stalled + 1
+        growth = _room(loop, level)
         loop.why_not = _why_stop(loop, level, stalled)
         if loop.why_not:
             return
-        mesh = next_mesh(loop, level, tolerance)
 
 
 def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
@@ -192,7 +208,8 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         found.with_share(result.error["budget"]["algebra"] or 0.0)
         known = max(found.relative(name) for name in wanted)
         found.geometry = share_of_shape(loop, model, found)
-        found.with_share(found.geometry)
+        keep_shapes(loop, found)
+        found.with_shape()
         if found.geometry > 0.0:
             adds = max(found.relative(name) for name in wanted) - known
             shape = adds * max(loop.frozen, loop.cut) / found.geometry
@@ -213,14 +230,28 @@ def _kind(loop: Refinement, level: Level) -> str:
     return level.assessment.kind((loop.names or [ENERGY])[0])
 
 
+def _room(loop: Refinement, level: Level) -> float:
+    """By how much the unknowns of the next level may grow, with the time and the memory that are left."""
+    options, spent = loop.run.options, time.perf_counter() - loop.begin
+    left = (options.time_limit - spent) / max(level.seconds, 1e-9)
+    bytes_left = (_allowed(options) - peak_bytes()) / (_bytes(level) * level.unknowns)
+    return float(np.clip(min(left, bytes_left), GROWTH, MOST_GROWTH))
+
+
+def _allowed(options: SolveOptions) -> float:
+    return min(options.memory_limit, SHARE * available_bytes() + peak_bytes())
+
+
+def _bytes(level: Level) -> float:
+    return BYTES_MORLEY if level.model.element == "morley" else BYTES
+
+
 def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
     """Why refining ends before the tolerance, in words; empty to go on."""
     options, spent = loop.run.options, time.perf_counter() - loop.begin
     if spent + GROWTH * level.seconds > options.time_limit:
         return f"the limit of {options.limit} would be passed by the next level"
-    allowed = min(options.memory_limit, SHARE * available_bytes() + peak_bytes())
-    each = BYTES_MORLEY if level.model.element == "morley" else BYTES
-    if peak_bytes() + GROWTH * each * level.unknowns > allowed:
+    if peak_bytes() + GROWTH * _bytes(level) * level.unknowns > _allowed(options):
         return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
     if level.assessment.told and not np.isfinite(level.half_width):
         return "what is asked for does not move, so no error of it is small"
@@ -316,11 +347,18 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
             f"the tolerance of {tolerance:g} is not reached: {what} is known within {level.half_width:.1e} "
             f"({_kind(loop, level)}); {loop.why_not}"
         )
-    reasons.append(f"tolerance {tolerance:g} of {what}: {counts}")
+    if loop.refiner.lost:
+        result.warnings.append(loop.refiner.lost)
+    reasons.append(f"tolerance {tolerance:g} of {what}: {counts}{_how(loop)}")
     result.cell_fields["error"] = np.sqrt(found.marks[(loop.names or [ENERGY])[0]])
     result.last_mesh = level.model.structure.parameters
     result.solver["seconds"]["refine"] = time.perf_counter() - loop.begin
     return result
+
+
+def _how(loop: Refinement) -> str:
+    anew = loop.refiner.remesher
+    return f", {anew.path.name} meshed anew by sizes" if anew is not None and len(loop.levels) > 1 else ""
 
 
 def _finite(value: float) -> float | None:

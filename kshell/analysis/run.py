@@ -48,6 +48,8 @@ class Run:
         Go on after the last step in the folder.
     factors : (load,), optional
         Of the loads of the structure, of one load case.
+    allow_system : bool
+        Whether geometry files may run programs and write files.
     """
 
     scene: Scene
@@ -58,6 +60,7 @@ class Run:
     folder: Path | None = None
     resume: bool = False
     factors: tuple[float, ...] | None = None
+    allow_system: bool = False
 
     def tell(self, words: str) -> None:
         """Words about the progress."""

@@ -232,13 +232,13 @@ def answer(
         return scene.read_mesh(allow_system)
 
     if team is None:
-        result = _analysed(scene, chosen, progress, read, folder, resume)
+        result = _analysed(scene, chosen, progress, read, folder, resume, allow_system)
     else:
         from kshell.distributed.leading import answered
 
         require_parted(scene, chosen, resume)
         # states are not kept on the way
-        result = answered(team, lambda: _analysed(scene, chosen, progress, read))
+        result = answered(team, lambda: _analysed(scene, chosen, progress, read, allow_system=allow_system))
     for words in result.warnings:
         warnings.warn(words, KshellWarning, stacklevel=3)  # at the call of `solve` or `trace`
     return result
@@ -251,6 +251,7 @@ def _analysed(
     read: Callable[[], Mesh],
     folder: str | os.PathLike[str] | None = None,
     resume: bool = False,
+    allow_system: bool = False,
 ) -> Result:
     """The result of an analysis; `read` gives the mesh."""
     if progress is not None:
@@ -258,7 +259,8 @@ def _analysed(
     begin = time.perf_counter()
     structure = resolve(scene, read(), options.analysis == "dynamic", options.looks)
     clock = Clock(progress, time.perf_counter() - begin)
-    run = Run(scene, structure, options, clock, progress, None if folder is None else Path(folder), resume)
+    kept = None if folder is None else Path(folder)
+    run = Run(scene, structure, options, clock, progress, kept, resume, allow_system=allow_system)
     analyse = import_module(f"kshell.analysis.{_module(scene, options)}").analyse
     try:
         result: Result = answer_cases(run, analyse) if scene.cases else analyse(run.model(), run)

@@ -78,7 +78,8 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
     with run.clock.stage("estimate"):
         duals = DUALS if names is None else 3 * len(names)
         found = assess(answered.model, answered.state, result, duals, names)
-        found.with_share((result.error["budget"]["algebra"] or 0.0) + (found.geometry or 0.0))
+        found.with_share(result.error["budget"]["algebra"] or 0.0)
+        found.with_shape()
         missed = answered.model.structure.missed_under(run.factors)
         if missed:
             found.with_loads(missed, largest_displacement(result))

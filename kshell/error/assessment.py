@@ -69,6 +69,10 @@ class Assessment:
         By probe, the dual solutions of plates, in physical degrees of freedom.
     geometry : float or None
         Relative error because the shape is approximated; None where it is not known.
+    shapes : dict of str to float
+        By probe, the same of its displacement, where its dual tells it.
+    shape_marks : dict of str to (triangle,) array
+        By probe, what each triangle adds to that.
     size : float
         Of the largest displacement, if another shape changes displacements everywhere by a share of that.
     loads : float
@@ -85,6 +89,8 @@ class Assessment:
     parts: dict[str, Floats] = field(default_factory=dict)
     duals: dict[str, Floats] = field(default_factory=dict)
     geometry: float | None = None
+    shapes: dict[str, float] = field(default_factory=dict)
+    shape_marks: dict[str, Floats] = field(default_factory=dict)
     size: float = 0.0
     loads: float = 0.0
     why_not: str = ""
@@ -134,6 +140,15 @@ class Assessment:
             more = share * abs(e.value)
             self.energy = Estimate(e.value, e.half_width + more, e.expected + more, e.kind, e.why_not)
         self.probes = {name: interval.widened(share, self.size) for name, interval in self.probes.items()}
+
+    def with_shape(self) -> None:
+        """Widen all intervals by the error because of the shape."""
+        share, before = self.geometry or 0.0, dict(self.probes)
+        self.with_share(share)
+        for name, own in self.shapes.items():
+            interval = before[name]
+            if own * float(np.linalg.norm(interval.value)) > share * self.size:
+                self.probes[name] = interval.widened(max(own, share))
 
     def with_loads(self, missed: float, size: float) -> None:
         """Widen all intervals by what a share of the loads that is missed can change.
@@ -199,6 +214,8 @@ class Assessment:
         budget: dict[str, Any] = error["budget"]
         budget["discretisation"] = error["estimate"]
         budget["geometry"] = self.geometry
+        if self.geometry is not None and named:
+            budget["geometry"] = max(self.geometry, self.shapes.get(named[0], 0.0))
         if self.loads:
             budget["loads"] = self.loads
 

@@ -276,13 +276,24 @@ def _mesh(gmsh: Any, path: Path, target: Path, mesh_size: float | None, mesh_ord
         gmsh.model.mesh.generate(2)
     if mesh_order is not None:
         gmsh.model.mesh.setOrder(mesh_order)
+    written(gmsh, path, target)
+
+
+def written(gmsh: Any, path: Path, target: Path) -> None:
+    """Write the mesh in gmsh to a file, with the groups of the geometry."""
     if path.suffix.lower() in (".iges", ".igs"):  # faces of this format do not share their edges
         gmsh.model.mesh.removeDuplicateNodes()
     # without a physical surface gmsh would leave out the triangles of a file with physical curves
+    number = gmsh.option.setNumber
     number("Mesh.SaveAll", 0 if gmsh.model.getPhysicalGroups(2) else 1)
     number("Mesh.MshFileVersion", 4.1)
     number("Mesh.Binary", 1)
     gmsh.write(str(target))
+
+
+def is_discrete(model: Any) -> bool:
+    """Whether a geometry holds triangles, as of an .stl file, in the place of a smooth surface."""
+    return any(model.getType(*entity).startswith("Discrete") for entity in model.getEntities(2))
 
 
 def _is_curved(model: Any) -> bool:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh import check
-from kshell.mesh.geometry_file import IN_MILLIMETRES, opened
+from kshell.mesh.geometry_file import IN_MILLIMETRES, is_discrete, opened
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
 
@@ -105,7 +105,7 @@ class _Finder:
         np.minimum.at(shortest, ends.ravel(), np.repeat(lengths, 2))
         self.allowed = OFF * shortest
         self.surfaces = [self._entity(2, tag) for _, tag in model.getEntities(2)]
-        if any(model.getType(2, surface.tag).startswith("Discrete") for surface in self.surfaces):
+        if is_discrete(model):
             raise InputError(
                 f"{path.name}: holds triangles instead of smooth surfaces (of an .stl file, perhaps): there is nothing "
                 "to put the mesh on. Give the CAD geometry itself"

@@ -17,7 +17,7 @@ from kshell.mesh.words import count, is_file, is_folder, nearest_name
 
 GEOMETRY_SUFFIXES = (".geo", ".geo_unrolled", ".step", ".stp", ".brep", ".iges", ".igs")
 
-
+STRAIGHT_INSTEAD = "straight triangles"  # note of a mesh whose mid-edge nodes would turn some inside out
 LARGE = 50_000  # vertices of a file from which on they are put in spatial order
 
 
@@ -124,7 +124,7 @@ def _build_or_straight(raw: RawMesh) -> Mesh:
         if raw.triangles.shape[1] == 3:
             raise
         raw.triangles = raw.triangles[:, :3]
-        raw.notes.append(f"straight triangles, because of order 2 {error}")
+        raw.notes.append(f"{STRAIGHT_INSTEAD}, because of order 2 {error}")
         return build(raw, Mesh)
 
 
