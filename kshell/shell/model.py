@@ -33,6 +33,7 @@ from kshell.shell.answer import (
     small_fields,
     state_fields,
 )
+from kshell.shell.corners import re_entrant_corners
 from kshell.shell.problem import ShellProblem
 
 Floats = NDArray[np.float64]
@@ -74,6 +75,14 @@ class ShellModel(FiniteModel):
 
     def warmth(self) -> list[Placed[Load]]:
         return [placed for _, placed in self.problem.loads.warmth]
+
+    def singular(self) -> dict[int, str]:
+        shared = self.problem.shared
+        if "singular" not in shared:
+            patches, _ = self.problem.discretisation.patches()
+            shared["singular"] = re_entrant_corners(self.problem.space, patches)
+        found: dict[int, str] = shared["singular"]
+        return found
 
     def stiffness(self) -> sp.csr_matrix:
         problem, stiffness = self.problem, self.problem.energy.linear_stiffness()

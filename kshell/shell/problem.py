@@ -38,7 +38,7 @@ Floats = NDArray[np.float64]
 # an angle between x and the normal below which the projection of x says little
 NEARLY_NORMAL = np.radians(10.0)
 # what of `ShellProblem.shared` depends on no support and no load
-OF_MESH = ("locator", "of shape")
+OF_MESH = ("locator", "of shape", "singular")
 
 
 class ShellProblem:
