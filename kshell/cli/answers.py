@@ -134,8 +134,10 @@ def _answer(
     except (SolveError, Interrupted) as error:
         files.save_last(error.state, source)
         raise
+    solved = time.perf_counter()
     written = files.save(result, source)
+    done = time.perf_counter()
     if files.json != "-":
         from kshell.cli.terminal import print_result
 
-        print_result(result, written, time.perf_counter() - begin)
+        print_result(result, written, done - begin, done - solved if written else 0.0)

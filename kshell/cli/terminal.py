@@ -12,6 +12,7 @@ from rich.markup import escape as _escaped
 from kshell.cli.intervals import interval_lines
 from kshell.cli.tables import components, console, number, table
 from kshell.mesh.words import place
+from kshell.result.rounding import without_rounding
 
 if TYPE_CHECKING:
     from kshell.analysis.check import Findings
@@ -37,8 +38,16 @@ MOST_DIFFERENCES = 40
 FIRST_OF_CASES = 3
 
 
-def print_result(result: Result, written: Iterable[str], seconds: float) -> None:
-    """The answer for people: probes, extremes, reactions, energies, warnings, and where files are."""
+def print_result(result: Result, written: Iterable[str], seconds: float, writing: float = 0.0) -> None:
+    """The answer for people: probes, extremes, reactions, energies, warnings, and where files are.
+
+    Parameters
+    ----------
+    written : iterable of str
+        Paths of files.
+    seconds, writing : float
+        Of everything, and of writing the files.
+    """
     out = console()
     out.print(f"[bold]{_escaped(result.title or 'kshell')}[/bold]")
     mesh = result.mesh
@@ -73,7 +82,7 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
         _print_extremes(out, result.extremes, f"Extremes{heading}")
     if result.reactions:
         rows = []
-        for name, reaction in result.reactions.items():
+        for name, reaction in without_rounding(result.reactions, result.balance).items():
             rows.append([name, "force", *components(reaction["force"])])
             rows.append(["", "moment about the origin", *components(reaction["moment"])])
         heads = ["support", "", "x", "y", "z"]
@@ -85,13 +94,23 @@ def print_result(result: Result, written: Iterable[str], seconds: float) -> None
     for line in interval_lines(result):
         out.print(f"  {_escaped(line)}")
     _print_warnings(out, result.warnings)
-    stages = ", ".join(f"{name} {t:.2f}" for name, t in result.solver.get("seconds", {}).items())
-    out.print(f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({stages})")
+    out.print(
+        f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({', '.join(_stages(result, seconds, writing))})"
+    )
     files = list(written)
     for path in _listed(files):
         out.print(f"written: {_escaped(path)}")
     if not files:
         out.print("nothing written: -o DIR writes result.json and result.vtu")
+
+
+def _stages(result: Result, seconds: float, writing: float) -> Iterable[str]:
+    """Seconds of stages, of writing, and of all else: they add up to the whole."""
+    stages = dict(result.solver.get("seconds", {}))
+    if writing:
+        stages["write"] = writing
+    stages["other"] = max(seconds - sum(stages.values()), 0.0)
+    return (f"{name} {t:.2f}" for name, t in stages.items())
 
 
 def _probe_rows(name: str, values: Mapping[str, Any], shell: bool) -> Iterable[list[str]]:

@@ -18,7 +18,7 @@ from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
 from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, Field, PointLoad, Scaled
 from kshell.plate.places import first_triangles, places_of, points_3d
-from kshell.scene.handlers import Handlers
+from kshell.scene.handlers import Handlers, of_acting
 from kshell.scene.loads import (
     EdgeMoment,
     Gravity,
@@ -62,6 +62,8 @@ class Loads:
     warnings : list of str
     warmth : list of (number, Placed)
         Temperatures, with the number of the load.
+    warned : list of int
+        Of the load that each of the warnings is of.
     """
 
     forms: list[Scaled] = field(default_factory=list)
@@ -69,6 +71,7 @@ class Loads:
     numbers: list[int] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     warmth: list[tuple[int, Placed[Load]]] = field(default_factory=list)
+    warned: list[int] = field(default_factory=list)
 
     def of(self, number: int) -> list[Scaled]:
         """The forms of one load."""
@@ -80,7 +83,8 @@ class Loads:
         forms = [form.times(float(factors[number])) for form, number in acting]
         curvatures = [form for form in forms if isinstance(form, CurvatureLoad)]
         warmth = [(k, replace(p, item=p.item.times(float(factors[k])))) for k, p in self.warmth]
-        return Loads(forms, curvatures, [number for _, number in acting], self.warnings, warmth)
+        warnings, warned = of_acting(self.warnings, self.warned, factors)
+        return Loads(forms, curvatures, [number for _, number in acting], warnings, warmth, warned)
 
     def initial_curvature(self, triangles: Ints, xy: Floats) -> Floats:
         """Sum of initial curvatures (w_xx, w_yy, 2 w_xy) at points (n, point, 2) of triangles (n,)."""
@@ -124,6 +128,7 @@ def apply_loads(
         builder.number, before = number, len(builder.out.forms)
         HANDLERS.handle(builder, placed, builder.out.warnings)
         builder.out.numbers += [number] * (len(builder.out.forms) - before)
+        builder.out.warned += [number] * (len(builder.out.warnings) - len(builder.out.warned))
     return builder.out
 
 

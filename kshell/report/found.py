@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import numpy as np
-
 from kshell.mesh.words import place
 from kshell.report.table import Table, components, number, tall
 from kshell.result.result import Result
+from kshell.result.rounding import without_rounding
 
 # quantity at a probe: words, components
 AT_PROBES = {
@@ -22,7 +21,6 @@ AT_PROBES = {
     "stress_middle": ("stress in the middle", "xx, yy, xy"),
     "stress_bottom": ("stress at the bottom", "xx, yy, xy"),
 }
-OF_ROUNDING = 1e-10  # of the largest reaction
 MOST_STEPS = 30  # rows of a path
 
 
@@ -40,17 +38,9 @@ def result_tables(result: Result) -> Iterator[Table]:
             [(words, probe[key]) for key, words in AT_PROBES.items() if probe.get(key) is not None],
         )
     if result.reactions:
-        # what all supports are compared with: rounding of one that bears nothing is not shown
-        most = {
-            key: max(
-                (float(np.abs(r[key]).max()) for r in result.reactions.values() if r.get(key) is not None),
-                default=0.0,
-            )
-            for key in ("force", "moment")
-        }
         entries = [
-            ((group, words), np.where(np.abs(reaction[key]) > OF_ROUNDING * most[key], reaction[key], 0.0))
-            for group, reaction in result.reactions.items()
+            ((group, words), reaction[key])
+            for group, reaction in without_rounding(result.reactions, result.balance).items()
             for key, words in (("force", "force"), ("moment", "moment about the origin"))
             if reaction.get(key) is not None
         ]

@@ -7,7 +7,7 @@ function for is refused.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 from kshell.errors import InputError
@@ -56,3 +56,12 @@ class Handlers:
                 self._table[kind](builder, placed.item, placed)
                 return
         raise InputError(f"{placed.item} {self.refusal}")
+
+
+def of_acting(
+    warnings: Sequence[str], numbers: Sequence[int], factors: Sequence[float]
+) -> tuple[list[str], list[int]]:
+    """Warnings, each of the load of a number, without those of loads of factor 0; all of them where none acts."""
+    none = not any(factors)
+    kept = [(words, k) for words, k in zip(warnings, numbers, strict=True) if none or factors[k] != 0.0]
+    return [words for words, _ in kept], [k for _, k in kept]

@@ -48,6 +48,8 @@ class LineForce(Load):
 
     Attributes
     ----------
+    on : str, tuple of str or (x, y, z)
+        The curves it acts along.
     value : vector [force / length]
         Its x, y and z.
 
@@ -76,6 +78,8 @@ class EdgeMoment(Load):
 
     Attributes
     ----------
+    on : str, tuple of str or (x, y, z)
+        The curves it acts along.
     value : scalar [force]
         Moment per length.
 
@@ -103,6 +107,8 @@ class PointForce(Load):
 
     Attributes
     ----------
+    on : str, tuple of str or (x, y, z)
+        A group of points, several, or the nearest vertex.
     value : vector [force]
         Its x, y and z.
 
@@ -131,6 +137,8 @@ class PointMoment(Load):
 
     Attributes
     ----------
+    on : str, tuple of str or (x, y, z)
+        A group of points, several, or the nearest vertex.
     value : vector [force * length]
         About x, y and z.
 

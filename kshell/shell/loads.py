@@ -16,7 +16,7 @@ from kshell.errors import InputError
 from kshell.mesh.mesh import EDGE_VERTICES
 from kshell.mesh.orient import WALKED_FORWARD
 from kshell.mesh.words import place
-from kshell.scene.handlers import Handlers
+from kshell.scene.handlers import Handlers, of_acting
 from kshell.scene.loads import (
     EdgeMoment,
     Gravity,
@@ -66,6 +66,8 @@ class ShellLoads:
     warnings : list of str
     warmth : list of (int, Placed)
         Temperatures, each with the number of its load.
+    warned : list of int
+        Of the load that each of the warnings is of.
     """
 
     forces: list[Floats] = field(default_factory=list)
@@ -74,6 +76,7 @@ class ShellLoads:
     strains: list[tuple[int, Floats]] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
     warmth: list[tuple[int, Placed[Load]]] = field(default_factory=list)
+    warned: list[int] = field(default_factory=list)
 
     @cached_property
     def initial(self) -> Floats | None:
@@ -83,13 +86,15 @@ class ShellLoads:
 
     def times(self, factors: Sequence[float]) -> ShellLoads:
         """The same loads times factors, (load,)."""
+        warnings, warned = of_acting(self.warnings, self.warned, factors)
         return ShellLoads(
             [factors[number] * force for force, number in zip(self.forces, self.numbers, strict=True)],
             self.numbers,
             {k: partial(_times, follow, factors[self.numbers[k]]) for k, follow in self.followers.items()},
             [(number, factors[number] * strain) for number, strain in self.strains],
-            self.warnings,
+            warnings,
             [(k, replace(p, item=p.item.times(float(factors[k])))) for k, p in self.warmth],
+            warned,
         )
 
 
@@ -120,6 +125,7 @@ def apply_loads(
         builder.number, before = number, len(builder.out.forces)
         HANDLERS.handle(builder, placed, builder.out.warnings)
         builder.out.numbers += [number] * (len(builder.out.forces) - before)
+        builder.out.warned += [number] * (len(builder.out.warnings) - len(builder.out.warned))
     return builder.out
 
 

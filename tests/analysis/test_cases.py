@@ -12,6 +12,7 @@ import kshell as ks
 from kshell.analysis.models import model_of
 from kshell.plate.model import PlateModel
 from kshell.shell.model import ShellModel
+from tests.plate.plates import UNIT, rectangle
 
 STEEL = {"E": 210e9, "nu": 0.3, "density": 7850}
 
@@ -477,3 +478,21 @@ def test_a_case_among_others_is_as_alone(scene, options):
         assert case.model["reasons"] == alone.model["reasons"]
         assert case.warnings == alone.warnings
         assert case.strain_energy == pytest.approx(alone.strain_energy, rel=1e-9)
+
+
+@pytest.mark.parametrize("options", [{"model": "plate"}, {"element": "hhj"}, {"model": "shell"}])
+def test_a_case_has_the_warnings_of_its_own_loads(options):
+    """Of a disc whose rim goes through triangles in the cases that have it, and in no other."""
+    scene = ks.Scene(
+        mesh=rectangle(8),
+        thickness=0.05,
+        material=ks.Isotropic(**UNIT),
+        supports=[ks.Clamped("left")],
+        loads=[ks.Pressure(1.0, name="p"), ks.Disc(pressure=1.0, centre=(0.5, 0.5), radius=0.3, name="d")],
+        cases=[ks.Case("without", ["p"]), ks.Case("with", ["p", "d"])],
+        combinations=[ks.Combination("both", {"without": 1.0, "with": 2.0})],
+    )
+    result = ks.solve(scene, large_deflection=False, error="off", **options)
+    told = {name: any("changes faster" in w for w in case.warnings) for name, case in result.cases.items()}
+    assert told == {"without": False, "with": True, "both": True}
+    assert any(words.startswith('cases "with", "both": load disc') for words in result.warnings)

@@ -2,9 +2,11 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
 import pytest
@@ -114,3 +116,33 @@ def test_one_key_is_set_once(capsys):
     code = run(["check", "meshes/plate.toml", "--set", "thickness=0.01", "--set", "thickness=0.02"])
     assert code == 2
     assert "thickness is given twice, before with thickness=0.01" in " ".join(capsys.readouterr().err.split())
+
+
+def test_what_is_required_has_no_words_for_its_absence():
+    """In all blocks of scene files, also where the words are those of what a block derives from."""
+
+    def required(part):
+        if isinstance(part, dict):
+            keys = part.get("required", [])
+            for name, key in part.get("properties", {}).items():
+                if name in keys:
+                    yield name, key.get("description", "")
+            for inner in part.values():
+                yield from required(inner)
+        elif isinstance(part, list):
+            for inner in part:
+                yield from required(inner)
+
+    found = list(required(json.loads(Path("docs/scene.schema.json").read_text(encoding="utf-8"))))
+    assert len(found) > 50
+    assert [(name, words) for name, words in found if "absent" in words] == []
+
+
+def test_seconds_of_stages_add_up_to_the_whole(tmp_path, capsys):
+    for more in ([], ["-o", str(tmp_path / "out"), "--plot"]):
+        assert run(["solve", "meshes/disk.toml", *more]) == 0
+        line = re.search(r"^solver [^;]*; (.*?\))$", capsys.readouterr().out, re.DOTALL | re.MULTILINE)[1]
+        whole, *parts = (float(number) for number in re.findall(r"\d+\.\d\d", line))
+        assert sum(parts) == pytest.approx(whole, abs=0.01 * len(parts))
+        assert ("write" in line) == bool(more)
+        assert "other" in line

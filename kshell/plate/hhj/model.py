@@ -98,7 +98,9 @@ class HHJModel(Model):
         return self.system().count
 
     def warnings(self) -> list[str]:
-        return self.problem.warnings()
+        problem = copy.copy(self.problem)
+        problem.loads = self.loads
+        return problem.warnings()
 
     def warmth(self) -> list[Placed[Load]]:
         return [placed for _, placed in self.loads.warmth]
