@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 RAISED = 0.004  # of the size: strokes above the surface on both sides, which hides what lies in it
+MARGIN = 0.04  # of the height of the picture
 LETTER = 0.0075  # of the width of the picture
 ABOVE = 0.16  # of half the height of the picture, by which the surface stands above its middle
 QUADRATIC_TRIANGLE, TRIANGLE = 22, 5  # numbers of the cells of VTK
@@ -132,10 +133,18 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
     view = USUAL if seen is None else seeing(nodes, triangles, seen)
     plotter.show_axes()
     plotter.view_vector(towards(*view), viewup=(0.0, 0.0, 1.0))
-    plotter.camera.zoom(0.95)
+    plotter.camera.zoom(min(0.95, (1.0 - ABOVE - MARGIN) / _height(plotter.bounds, view)))
     # the surface above the middle: its bar of colours is below, with a title that no mark may cover
     plotter.camera.SetWindowCenter(0.0, -ABOVE)
     return plotter
+
+
+def _height(bounds: Sequence[float], view: tuple[float, float]) -> float:
+    """How high a box looks, over its diagonal, to which cameras are set: upright things fill the picture."""
+    size = np.ptp(np.reshape(bounds, (3, 2)), axis=1)
+    eye = towards(*view)
+    up = np.array([0.0, 0.0, 1.0]) - eye[2] * eye
+    return float(np.abs(up / np.linalg.norm(up)) @ size / np.linalg.norm(size))
 
 
 def _coloured(values: Floats, label: str) -> dict[str, Any]:
