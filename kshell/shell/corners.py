@@ -23,6 +23,7 @@ RE_ENTRANT = "re-entrant corner"
 LEAST = np.radians(10.0)  # turns that count where tangents are known
 POLYGON = np.radians(30.0)  # of straight edges, if it is SHARPER times the turns beside it
 SHARPER = 2.0
+ROUNDING = 1e-6  # of angles: two right ones at a fold are no more than 180 degrees
 SURELY = np.radians(60.5)  # whatever is beside it: no curve is told by five edges
 
 
@@ -36,48 +37,49 @@ def re_entrant_corners(mesh: Mesh, patches: Ints) -> dict[int, str]:
     patches : (triangle,)
         Smooth piece of each triangle; where pieces meet at a vertex it is not looked at, for the other one holds it.
     """
-    border = np.flatnonzero(mesh.edge_counts == 1)
-    ends, count = mesh.edges[border], len(mesh.points)
-    degree = np.bincount(ends.ravel(), minlength=count)
-    turn, following = _turns(mesh, border, ends, degree == 2)
-    beside = np.maximum(turn[following[:, 0]], turn[following[:, 1]])
-    corner = turn > (
-        LEAST if mesh.midpoints is not None else np.minimum(SURELY, np.maximum(POLYGON, SHARPER * beside))
-    )
-    corner &= degree == 2
-    if not corner.any():
+    ends, turn, plain = _turns(mesh)
+    known = mesh.midpoints is not None
+    sharp = np.flatnonzero(plain & (turn > (LEAST if known else POLYGON)))
+    sharp = sharp[_angles(mesh, sharp) > np.pi + ROUNDING] if len(sharp) else sharp
+    if len(sharp) and not known:
+        beside = np.zeros(len(turn))  # the larger turn of both next vertices
+        for here, there in (ends.T, ends.T[::-1]):
+            np.maximum.at(beside, here, np.where(plain[there], turn[there], 0.0))
+        sharp = sharp[turn[sharp] > np.minimum(SURELY, SHARPER * beside[sharp])]
+    if not len(sharp):
         return {}
-    corner &= _angles(mesh) > np.pi
-    lowest, highest = np.full(count, len(mesh.triangles)), np.full(count, -1)
+    lowest, highest = np.full(len(turn), len(mesh.triangles)), np.full(len(turn), -1)
     np.minimum.at(lowest, mesh.triangles, np.repeat(patches[:, None], 3, axis=1))
     np.maximum.at(highest, mesh.triangles, np.repeat(patches[:, None], 3, axis=1))
-    return dict.fromkeys(np.flatnonzero(corner & (lowest == highest)).tolist(), RE_ENTRANT)
+    return dict.fromkeys(sharp[lowest[sharp] == highest[sharp]].tolist(), RE_ENTRANT)
 
 
-def _turns(mesh: Mesh, border: Ints, ends: Ints, plain: NDArray[np.bool_]) -> tuple[Floats, Ints]:
-    """(vertex,) by what angle the border turns, and (vertex, 2) the next vertices on it; zero, itself elsewhere."""
-    count = len(mesh.points)
-    start, end = mesh.points[ends[:, 0]], mesh.points[ends[:, 1]]
-    middle = 0.5 * (start + end) if mesh.midpoints is None else mesh.midpoints[border]
-    leaving = np.concatenate([4 * middle - 3 * start - end, 4 * middle - 3 * end - start])
-    leaving /= np.maximum(np.linalg.norm(leaving, axis=1, keepdims=True), 1e-300)
-    vertex, other = ends.T.ravel(), ends[:, ::-1].T.ravel()
-    order = np.argsort(vertex, kind="stable")
-    order = order[plain[vertex[order]]].reshape(-1, 2)  # both edges at each vertex that has two
-    at = vertex[order[:, 0]]
-    turn, following = np.zeros(count), np.repeat(np.arange(count)[:, None], 2, axis=1)
-    cosine = -np.sum(leaving[order[:, 0]] * leaving[order[:, 1]], axis=1)
-    turn[at] = np.arccos(np.clip(cosine, -1.0, 1.0))
-    following[at] = other[order]
-    return turn, following
+def _turns(mesh: Mesh) -> tuple[Ints, Floats, NDArray[np.bool_]]:
+    """Ends of the edges of the border, by what angle it turns (vertex,), and where just two of its edges meet.
+
+    Of unit vectors a and b that leave a vertex |a + b|^2 = 2 - 2 cos of the turn.
+    """
+    border, count = mesh.boundary_edges, len(mesh.points)
+    ends = mesh.edges[border]
+    x = mesh.points[ends]
+    leaving = x[:, ::-1] - x
+    if mesh.midpoints is not None:
+        leaving = 4.0 * (mesh.midpoints[border][:, None] - x) - leaving
+    leaving /= np.maximum(np.sqrt(np.einsum("nex,nex->ne", leaving, leaving)), 1e-300)[..., None]
+    vertex, leaving = ends.ravel(), leaving.reshape(-1, 3)
+    square = sum(np.bincount(vertex, leaving[:, k], count) ** 2 for k in range(3))
+    turn = np.arccos(np.clip(1.0 - 0.5 * square, -1.0, 1.0))
+    return ends, turn, np.bincount(vertex, minlength=count) == 2
 
 
-def _angles(mesh: Mesh) -> Floats:
-    """(vertex,) the sum of the angles of the triangles around each vertex."""
-    out = np.zeros(len(mesh.points))
-    x = mesh.points[mesh.triangles]
-    for k in range(3):
-        a, b = x[:, (k + 1) % 3] - x[:, k], x[:, (k + 2) % 3] - x[:, k]
-        sine, cosine = np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1)
-        np.add.at(out, mesh.triangles[:, k], np.arctan2(sine, cosine))
-    return out
+def _angles(mesh: Mesh, vertices: Ints) -> Floats:
+    """(n,) the sum of the angles of the triangles around vertices (n,)."""
+    chosen = np.zeros(len(mesh.points), dtype=bool)
+    chosen[vertices] = True
+    triangle, local = np.nonzero(chosen[mesh.triangles])
+    at, after, before = (mesh.triangles[triangle, (local + step) % 3] for step in range(3))
+    a, b = mesh.points[after] - mesh.points[at], mesh.points[before] - mesh.points[at]
+    product = np.sqrt(np.einsum("nx,nx->n", a, a) * np.einsum("nx,nx->n", b, b))
+    cosine = np.einsum("nx,nx->n", a, b) / np.maximum(product, 1e-300)
+    total = np.bincount(at, np.arccos(np.clip(cosine, -1.0, 1.0)), len(mesh.points))
+    return np.asarray(total[vertices], dtype=float)
