@@ -18,7 +18,7 @@ from kshell.error.geometry_share import (
     share_of_chart,
     turn_of_triangles,
 )
-from kshell.error.marking import halvings
+from kshell.error.marking import MOST_HALVINGS, halvings
 from kshell.error.plates import vertex_at
 from kshell.error.premises import require_pair
 from kshell.errors import InputError
@@ -35,6 +35,7 @@ Floats = NDArray[np.float64]
 TURN, LARGEST_TURN = 0.1, 0.4  # radians by which a triangle of the first mesh may turn
 SHARE_SHAPE = 0.3  # of the tolerance, that a shape may use up
 MOST_CUTS = 60
+MOST_MORLEY = 10  # halvings toward a corner: the matrix of smaller triangles has no digits left for the plate
 
 
 def plate_start(
@@ -69,8 +70,10 @@ def plate_start(
     pair = pair and not any(number < len(probes) for number in left)
     exponents = corner_exponents(problem)
     corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
+    most = MOST_MORLEY if model.element == "morley" else MOST_HALVINGS
     for place, exponent in zip(corners, exponents.values(), strict=True):
-        mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), halvings(exponent, tolerance))
+        times = min(halvings(exponent, tolerance), most)
+        mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), times)
     if model.element != "morley":
         near = max(int(np.log2(1.0 / tolerance) / 2.0) - 3, 0)
         for place in places[: len(probes)]:

@@ -25,9 +25,9 @@ def require_pair(problem: PlateProblem, order: int) -> None:
         raise InputError(f"order = {order} of the equilibrated side: it has orders from 1 to {LARGEST_PAIR}")
     if problem.element.maxdeg < 5:
         raise InputError('bounds need a conforming deflection: use element = "argyris"')
-    if problem.domain.boundary.curved.any():
+    if problem.domain.curves.curved.any():
         raise InputError(
-            "bounds of both sides need straight edges: along a curved edge the two plates are not the same region"
+            "bounds of both sides need straight edges and lines: along curved ones the two plates are not the same"
         )
 
 

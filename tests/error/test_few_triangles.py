@@ -12,6 +12,7 @@ import kshell as ks
 from kshell.mesh.halve import halved
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect_around
+from tests.plate.plates import rectangle
 
 MATERIAL = ks.Isotropic(E=210e9, nu=0.3)
 EXACT = 1e-3  # tolerance of what stands for the truth
@@ -167,3 +168,45 @@ def test_energy_of_small_triangles_that_move_far() -> None:
         for times in (8, 14)
     ]
     assert energy[1] == pytest.approx(energy[0], rel=1e-7)
+
+
+def test_lines_curved_inside_are_no_premise_of_a_proof() -> None:
+    """Nodes of a line that bends a little are on a curve for the deflections, on chords for the moments."""
+    mesh = rectangle(4, 2, a=0.8, b=0.6)
+    inside = np.flatnonzero((mesh.points[:, 0] == 0.4) & (mesh.points[:, 1] == 0.3))
+    points = mesh.points.copy()
+    points[inside, 0] += 0.01
+    of = ks.Scene(
+        dataclasses.replace(mesh, points=points),
+        thickness=0.01,
+        material=MATERIAL,
+        supports=[ks.Clamped("top"), ks.SimplySupported("left"), ks.Fixed("middle", "r")],
+        loads=[ks.Pressure(100.0)],
+        probes={"p": (0.7, 0.15, 0.0)},
+    )
+    result = solved(of, tolerance=1e-2, quantity="p")
+    assert result.error["kind"] == "estimated"
+    assert result.balance < 1e-9
+    assert holds(result, solved(of, model="shell", element="koiter", tolerance=1e-2, quantity="p"))
+
+
+def test_morley_plates_are_not_graded_beyond_their_digits() -> None:
+    """A rotation held along a line that bends is singular: triangles of 1e-12 were no plate any more."""
+    mesh = rectangle(2, 3, a=0.9, b=1.4, skew=0.8)
+    points = mesh.points.copy()
+    points[5, 0] -= 0.03
+    of = ks.Scene(
+        dataclasses.replace(mesh, points=points),
+        thickness=0.01,
+        material=MATERIAL,
+        supports=[
+            ks.SimplySupported(["left", "right", "bottom"]),
+            ks.Clamped("top"),
+            ks.Fixed("middle", "r"),
+        ],
+        loads=[ks.Pressure(-50.0)],
+        probes={"p": (0.9, 0.5, 0.0)},
+    )
+    result = solved(of, element="morley", tolerance=0.2, quantity="p")
+    assert result.error["estimate"] <= 0.2
+    assert result.balance < 1e-6
