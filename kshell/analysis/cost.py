@@ -37,7 +37,7 @@ class Figures:
     seconds : float
         Of everything but the factors.
     shared : float
-        Seconds of that which is not divided: the first process does it alone, of plates every one.
+        Seconds of that which is not divided: the first process does it alone.
     flops : float
         Of the factors, over n^1.5.
     entries : float
@@ -45,7 +45,7 @@ class Figures:
     held : float
         Bytes beside the factors that are divided.
     copied : float
-        Bytes of the whole: of shells the first process has them alone, while values are found, of plates every one.
+        Bytes of the whole, which the first process has alone: of shells while values are found, of plates all the time.
     left : float
         Of shells, bytes of what is divided that are there while values are found.
     """
