@@ -52,6 +52,7 @@ THICK = 1.0 / 20.0
 SQUARE = 5.9  # share of the shear in U of that square, over (t / L)^2
 RELIED = 0.1  # of the sum, that triangles at singular places may have
 ZERO = 1e-9  # of the largest deflection, that is none
+RIGID = 1e-16  # of the stiffness times (largest deflection / size)^2: an energy of less is rounding
 UNRESOLVED = (
     "shear forces grow without bound at a corner, a point support or a force, and the triangles there are too large "
     "for them: refine the mesh toward it, or give a tolerance"
@@ -111,16 +112,16 @@ def shear_share(
     problem = model.problem
     if problem.section.without_shear:
         return ShearShare(why_not=problem.section.without_shear)
-    if not result.strain_energy > 0.0:
-        return ShearShare(0.0, 0.0)
     d = np.asarray(solved.x)
+    deflections = d[problem.layout.vertex_dofs(np.arange(problem.layout.vertex_count))[:, 0]]
+    if _rigid(problem, deflections, result.strain_energy):
+        return ShearShare(0.0, 0.0)
     centres, strong = singular_places(problem)
     stored = 2.0 * result.strain_energy
     if probe is None:
         return resolved(products(problem, [d], centres, strong), stored)
     at = np.array(problem.structure.probes[probe])
     w = float(result.motion_at_probe(probe)[2])
-    deflections = d[problem.layout.vertex_dofs(np.arange(problem.layout.vertex_count))[:, 0]]
     if not abs(w) > ZERO * np.abs(deflections).max():
         found = resolved(products(problem, [d], centres, strong), stored)
         return replace(found, share=None, why_not=f"the deflection at {place(at)} is zero")
@@ -129,6 +130,15 @@ def shear_share(
         reduction = problem.reduction.matrix()
         dual = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))[:, 0]
     return resolved(products(problem, [d, dual], centres, strong, at[None, :2]), stored, abs(w))
+
+
+def _rigid(problem: PlateProblem, deflections: Floats, energy: float) -> bool:
+    """Whether an energy is no more than the rounding of a plate that moves as a rigid body."""
+    first = np.zeros(1, dtype=np.int64)
+    middle = problem.mesh.points[problem.mesh.triangles[:1]].mean(axis=1)[:, None]
+    stiffness = float(np.abs(problem.section.bending(first, middle)).max())
+    moved = float(np.abs(deflections).max())
+    return not energy > RIGID * stiffness * (moved / problem.mesh.size) ** 2
 
 
 def resolved(products: Floats, stored: float, w: float | None = None) -> ShearShare:
