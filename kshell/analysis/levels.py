@@ -14,7 +14,7 @@ from kshell.analysis.remeshed import turns as turns_of_triangles
 from kshell.analysis.run import Run
 from kshell.analysis.static import Answered
 from kshell.equilibrium.model import Model, Solved
-from kshell.error.assessment import ENERGY, MISSED, Assessment
+from kshell.error.assessment import ENERGY, Assessment
 from kshell.error.bounds import PlatePair
 from kshell.error.curve_doubt import turns
 from kshell.error.geometry_share import QUADRATIC_POWER, turn_of_triangles
@@ -114,7 +114,7 @@ def _anew(loop: Refinement, level: Level, tolerance: float, growth: float) -> Me
         marks = shape_marks(model, model.problem.energy.linear_strain(state.x))
         wanted = SHARE_SHAPE * tolerance / found.geometry
         ratios = np.minimum(ratios, wanted_ratios(marks, wanted, QUADRATIC_POWER, growth))
-    ratios[_of_jumps(level, tolerance)] = HALF
+    ratios[_of_jumps(loop, level, tolerance)] = HALF
     return loop.refiner.sized(mesh, ratios)
 
 
@@ -127,7 +127,7 @@ def _bisected(loop: Refinement, level: Level, tolerance: float) -> Mesh:
             marks += own / own.sum()
     mesh = level.model.structure.parameters
     marks[~cuttable(mesh)] = 0.0
-    jumps = _of_jumps(level, tolerance)
+    jumps = _of_jumps(loop, level, tolerance)
     if loop.pair:
         return loop.refiner.refined(mesh, np.union1d(doerfler(marks, SHARE_BOUNDS), jumps))
     far = level.half_width > FAR * tolerance
@@ -158,12 +158,18 @@ def _freeze(loop: Refinement, level: Level) -> None:
         loop.cut = share_when_cut(model, model.problem.energy.linear_strain(state.x))
 
 
-def _of_jumps(level: Level, tolerance: float) -> Ints:
+def by_loads(loop: Refinement, level: Level) -> float:
+    """The most that missed loads add to the relative half width of what is asked for."""
+    return max(level.assessment.by_loads.get(name, 0.0) for name in loop.names or [ENERGY])
+
+
+def _of_jumps(loop: Refinement, level: Level, tolerance: float) -> Ints:
     """Triangles in which loads and springs change faster than they are integrated, where that matters."""
     mesh, out = level.model.structure.space, np.zeros(0, dtype=np.int64)
     every: list[Placed[Any]] = [*level.model.structure.loads, *level.model.structure.supports]
+    shares, add = level.model.structure.missed, by_loads(loop, level)
     for placed in every:
-        if MISSED * placed.missed < SHARE_JUMPS * tolerance:
+        if not shares or placed.missed / shares * add < SHARE_JUMPS * tolerance:
             continue
         members = placed.members(mesh)
         dimension = 2 if placed.place is None else placed.place.dimension

@@ -19,19 +19,21 @@ from kshell.analysis.levels import (
     Level,
     Refinement,
     blocked,
+    by_loads,
     keep_shapes,
     next_mesh,
     share_of_shape,
     too_coarse,
 )
+from kshell.analysis.missed_loads import largest_displacement, missed_loads
 from kshell.analysis.plate_choice import chosen
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
-from kshell.analysis.static import Answered, answer_once, largest_displacement
+from kshell.analysis.static import Answered, answer_once
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
-from kshell.error.assessment import ENERGY, MISSED, PROBES
+from kshell.error.assessment import ENERGY, PROBES
 from kshell.error.bounds import PlatePair
 from kshell.error.plates import assess_pair, geometry_share
 from kshell.error.shells import share_when_cut
@@ -196,8 +198,9 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         assert isinstance(model, PlateModel)
         pair = PlatePair(model.problem)
         found = assess_pair(pair, loop.names, _strain_energy(pair))
-        if run.structure.missed:
-            found.with_loads(run.structure.missed, pair.conforming.largest())
+        if model.structure.missed_under(run.factors):
+            energy, size = abs(found.energy.value) if found.energy else 0.0, pair.conforming.largest()
+            found.with_loads(missed_loads(model, run, size, energy), size)
         unknowns = model.unknowns
     else:
         answered = answer_once(run.model(), run)
@@ -213,8 +216,9 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         if found.geometry > 0.0:
             adds = max(found.relative(name) for name in wanted) - known
             shape = adds * max(loop.frozen, loop.cut) / found.geometry
-        if run.structure.missed:
-            found.with_loads(run.structure.missed, largest_displacement(result))
+        if model.structure.missed_under(run.factors):
+            size = largest_displacement(result)
+            found.with_loads(missed_loads(model, run, size, result.strain_energy), size)
         unknowns = result.unknowns
     half = max(found.relative(name) for name in wanted)
     return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered, pair, shape)
@@ -266,10 +270,12 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
     limit = blocked(loop, level)
     if limit:
         return limit
-    jumps = level.assessment.loads
-    if MISSED * jumps > SHARE_JUMPS * float(options.tolerance):
+    if by_loads(loop, level) > SHARE_JUMPS * float(options.tolerance):
         if stalled >= GAINLESS_JUMPS:
-            return f"further levels gain nothing: the loads jump or peak, and {jumps:.1e} of them is missed"
+            return (
+                f"further levels gain nothing: the loads jump or peak, and {level.assessment.loads:.1e} of them is "
+                "missed"
+            )
     elif stalled >= GAINLESS:
         return "further levels gain nothing: rounding sets the limit"
     if len(loop.levels) >= MOST_LEVELS:

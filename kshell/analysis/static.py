@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.analysis.missed_loads import largest_displacement, missed_loads
 from kshell.analysis.run import Run, described
 from kshell.analysis.shear import account_for_shear
 from kshell.equilibrium.finite_model import FiniteModel
@@ -80,19 +81,14 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
         found = assess(answered.model, answered.state, result, duals, names)
         found.with_share(result.error["budget"]["algebra"] or 0.0)
         found.with_shape()
-        missed = answered.model.structure.missed_under(run.factors)
-        if missed:
-            found.with_loads(missed, largest_displacement(result))
+        if answered.model.structure.missed_under(run.factors):
+            size = largest_displacement(result)
+            found.with_loads(missed_loads(answered.model, run, size, result.strain_energy), size)
         found.document(result, run.options.quantity)
         if isinstance(answered.state, Solved):
             account_for_shear(result, answered.model, answered.state, run.options, found.duals)
     result.solver["seconds"] = {**run.clock.seconds}
     return found
-
-
-def largest_displacement(result: Result) -> float:
-    """Over all vertices."""
-    return abs(float(result.extremes["deflection"]["value"]))
 
 
 def answer_once(model: Model, run: Run, solved: Solved | None = None) -> Answered:

@@ -1,5 +1,6 @@
 """Loads that jump inside triangles: what is missed is told, and about as much as it is."""
 
+import dataclasses
 import re
 
 import numpy as np
@@ -166,3 +167,38 @@ def test_springs_that_jump_inside_triangles_are_as_loads_are(options):
         assert result.error["estimate"] <= 6e-3
     else:
         assert any("elastic" in words and "inside triangles" in words for words in result.warnings)
+
+
+@pytest.mark.filterwarnings("ignore::kshell.KshellWarning")
+@pytest.mark.parametrize("element", ["argyris", "hhj", "morley"])
+@pytest.mark.parametrize("left", [1e-1, 1e-3, -1e-4])
+def test_loads_that_nearly_cancel_are_missed_as_if_alone(element, left):
+    """What is left of the deflection is less than what is missed of each load."""
+    whole, part = strip_load(0.0), strip_load(0.41)
+    against = -(1.0 - left) * part / whole
+    scene = ks.Scene(
+        mesh=square_mesh(6),
+        thickness=1.0,
+        material=ks.Isotropic(E=12 * (1 - 0.3**2), nu=0.3),
+        supports=[ks.SimplySupported(["left", "right", "bottom", "top"])],
+        loads=[ks.Pressure("1*(x > 0.41)"), ks.Pressure(against)],
+        probes={"centre": (0.5, 0.5, 0)},
+    )
+    result = ks.solve(scene, large_deflection=False, element=element)
+    half = result.error["probes"]["centre"]["u"]["half_width"][2]
+    assert abs(result.probes["centre"]["u"][2] - left * part) <= half < part
+    alone = ks.solve(
+        dataclasses.replace(scene, loads=scene.loads[:1]), large_deflection=False, element=element
+    )
+    assert half <= 3.0 * alone.error["probes"]["centre"]["u"]["half_width"][2]
+
+
+@pytest.mark.filterwarnings("ignore::kshell.KshellWarning")
+@pytest.mark.parametrize("waves", [7, 41, 61])
+def test_waves_that_a_mesh_does_not_see(waves):
+    """61 half waves on 8 edges move the plate of the mesh by 10,000 times as much as they should."""
+    result = jumping(8, f"sin({waves}*pi*x)*sin(pi*y)")
+    stiffness = 210e9 * 0.01**3 / (12 * (1 - 0.3**2))
+    true = np.sin(waves * np.pi / 2) / (np.pi**4 * (waves**2 + 1) ** 2) / stiffness
+    off = abs(result.probes["centre"]["u"][2] - true)
+    assert off <= result.error["probes"]["centre"]["u"]["half_width"][2]
