@@ -2,7 +2,8 @@
 
 Curved edges of plates are known by their nodes, off by delta: an eigenvalue changes by about 4 delta / R where an edge
 has the radius R, as that of a disk that grows. The root of the mean square along all curved edges is taken, since modes
-move most where edges bend most. Shells: the shares of their triangles, weighted with the energy of each mode.
+move most where edges bend most. Shells: the shares of their triangles, weighted with the energy of each mode; finer
+meshes of quadratic triangles without a geometry see the angles between these, as static ones do.
 """
 
 from __future__ import annotations
@@ -33,10 +34,14 @@ class Shape:
         Whether finer meshes follow curved edges of the first one.
     frozen : (mode,) array
         Share that finer meshes keep; of modes beyond its last one that of the last.
+    cut : (mode,) array
+        The same of meshes of more triangles than ``triangles``, which see the angles between quadratic ones.
     """
 
     follows: bool
     frozen: Floats
+    cut: Floats
+    triangles: int = 0
 
     @classmethod
     def of(cls, model: Model, vectors: Floats, known: bool, followed: Followed | None = None) -> Shape:
@@ -52,8 +57,13 @@ class Shape:
             Its curved edges, which finer meshes follow.
         """
         if followed is not None:
-            return cls(True, np.array([share_of_edges(followed.first)]))
-        return cls(False, np.zeros(1) if known else _own(model, vectors))
+            edges = np.array([share_of_edges(followed.first)])
+            return cls(True, edges, edges)
+        triangles = len(model.structure.space.triangles)
+        if known:
+            return cls(False, np.zeros(1), np.zeros(1), triangles)
+        frozen = _own(model, vectors)
+        return cls(False, frozen, np.maximum(frozen, _own(model, vectors, cut=True)), triangles)
 
     def widened(self, known: Known, model: Model, vectors: Floats, followed: Followed | None = None) -> Known:
         """Estimated intervals with what the shape adds, on the first mesh or a finer one with edges that follow it."""
@@ -66,7 +76,7 @@ class Shape:
 
     def limits(self, tolerance: float, width: float | None) -> str:
         """Why finer meshes do not reach a tolerance, in words; empty while a width without the shape is large."""
-        frozen = float(self.frozen.max(initial=0.0))
+        frozen = float(self.cut.max(initial=0.0))
         if 2.0 * frozen <= tolerance or width is None or width > frozen:
             return ""
         cure = (
@@ -80,9 +90,10 @@ class Shape:
         """(mode,) relative."""
         if followed is None:
             own = _own(model, vectors)
-            if len(self.frozen) == 0:
+            kept = self.cut if len(model.structure.space.triangles) > self.triangles else self.frozen
+            if len(kept) == 0:
                 return own
-            return np.maximum(own, self.frozen[np.minimum(np.arange(len(own)), len(self.frozen) - 1)])
+            return np.maximum(own, kept[np.minimum(np.arange(len(own)), len(kept) - 1)])
         domain = _domain(model)
         missed = share_of_edges(domain, followed.missed(domain))
         return np.full(vectors.shape[1], float(self.frozen[0]) + missed)
@@ -111,8 +122,8 @@ def _domain(model: Model) -> Domain:
     return Domain(model.structure.space, True)
 
 
-def _own(model: Model, vectors: Floats) -> Floats:
-    """(mode,) of a mesh by itself."""
+def _own(model: Model, vectors: Floats, cut: bool = False) -> Floats:
+    """(mode,) of a mesh by itself, or of one whose triangles are parts of its own."""
     from kshell.error import shells
     from kshell.shell.koiter.model import KoiterModel
 
@@ -121,7 +132,8 @@ def _own(model: Model, vectors: Floats) -> Floats:
     if not isinstance(model, KoiterModel):
         return np.zeros(vectors.shape[1])
     strain = model.problem.energy.linear_strain
-    return np.array([shells.geometry_share(model, strain(x)) for x in model.expand(vectors).T])
+    share = shells.share_when_cut if cut else shells.geometry_share
+    return np.array([share(model, strain(x)) for x in model.expand(vectors).T])
 
 
 def _wider(interval: Interval, share: float) -> Interval:

@@ -289,6 +289,18 @@ def test_parts_of_quadratic_triangles_see_their_angles(n: int) -> None:
     assert off < share < 4.0 * off
 
 
+@pytest.mark.parametrize("n", [3, 4])
+def test_frequencies_of_cut_quadratic_triangles_know_their_angles(n: int) -> None:
+    """Those of the roof on its chart lie inside, the second one outside if the angles are left out."""
+    material = ks.Isotropic(E=1.0, nu=0.0, density=1.0)
+    true = ks.modes(dataclasses.replace(roof(8, 3), material=material), count=2)
+    with pytest.warns(ks.KshellWarning, match="give its geometry, or a chart"):
+        result = ks.modes(dataclasses.replace(roof_in_space(n), material=material), count=2, tolerance=1e-4)
+    for found, known in zip(result.eigen[:2], true.eigen, strict=False):
+        assert found["lower"] < known["value"] < found["upper"]
+        assert found["upper"] - found["lower"] < 1e-2 * known["value"]
+
+
 def test_a_shape_that_finer_meshes_keep_is_in_their_budget() -> None:
     """Of the roof on its mesh: without, its interval missed by three times."""
     scene = ks.Scene.load(MESHES / "scordelis_lo.toml", ["solve.large_deflection=false"])
