@@ -12,14 +12,16 @@ import pytest
 import kshell as ks
 from kshell.error.assessment import Interval
 from kshell.error.geometry_share import domed, share_of_chart, turn_between, turn_of_triangles
+from kshell.error.outlying import outlying
 from kshell.error.two_elements import energy_of_difference
+from kshell.mesh.mesh import Mesh
 from kshell.scene.structure import resolve
 from kshell.shell.chart.model import ChartModel
 from kshell.shell.koiter.model import KoiterModel
 from kshell.verify.cases import large_scenes
 from kshell.verify.cases.case import TRUE_SURFACE
 from kshell.verify.cases.catalogue import find
-from tests.plate.plates import EGG_LOAD, UNIT, disk, egg, ellipse, rectangle
+from tests.plate.plates import EGG_LOAD, UNIT, disk, egg, ellipse, ellipse_centre, rectangle
 
 MATERIAL = ks.Isotropic(**UNIT)
 SUPPORTED_CENTRE, CLAMPED_CENTRE = 0.004062352660675052, 0.00126531908748
@@ -364,3 +366,67 @@ def test_a_share_of_a_displacement_is_the_size_of_a_vector() -> None:
     assert interval.relative == pytest.approx(0.05 / 3.0 + 0.1)
     assert interval.widened(0.2).relative == pytest.approx(0.05 / 3.0 + 0.3)
     assert Interval(value, 0.0 * value, 0.0 * value, "estimated").widened(0.1).relative == 0.0
+
+
+def superellipse(rings: int, power: float) -> Mesh:
+    """A disk drawn to |x|^p + |y|^p = 1, whose edge is nearly straight at four places, and nearly a corner at four."""
+    mesh = disk(rings)
+    points = mesh.points.copy()
+    r = np.linalg.norm(points, axis=1)
+    unit = points[r > 0.0] / r[r > 0.0, None]
+    points[r > 0.0] /= (np.abs(unit) ** power).sum(axis=1)[:, None] ** (1.0 / power)
+    return Mesh(points, mesh.triangles, None, mesh.groups)
+
+
+@pytest.mark.parametrize(
+    ("support", "true"), [(ks.Clamped, 0.01977012299), (ks.SimplySupported, 0.0729347916)]
+)
+@pytest.mark.parametrize("rings", [2, 3, 4])
+def test_rough_curves_by_few_nodes(rings: int, support: Any, true: float) -> None:
+    """Goursat's w = Re(conj(z) phi + chi) + r^4 / 64 with polynomials of degree 46, 1e-11 off on the curve."""
+    scene = ks.Scene(
+        superellipse(rings, 4.0),
+        thickness=1.0,
+        material=MATERIAL,
+        supports=[support("edge")],
+        loads=[ks.Pressure(1.0)],
+        probes={"centre": (0, 0, 0)},
+    )
+    result = ks.solve(scene, large_deflection=False, element="hhj", order=6)
+    assert abs(result.probes["centre"]["u"][2] - true) <= half(result, "centre", 2)
+
+
+@pytest.mark.parametrize("rings", [3, 6])
+@pytest.mark.parametrize("moved", [1e-2, 1e-3, 1e-5])
+def test_a_node_that_lies_off_is_no_shape_that_is_known(rings: int, moved: float) -> None:
+    """The interval holds the ellipse without it, and knows the shape to what the node moves, or what few nodes tell."""
+    mesh = ellipse(rings)
+    points = mesh.points.copy()
+    node = int(mesh.edges[mesh.groups["edge"].members][2, 0])
+    points[node] *= 1.0 + moved
+    scene = ks.Scene(
+        Mesh(points, mesh.triangles, None, mesh.groups),
+        thickness=1.0,
+        material=MATERIAL,
+        supports=[ks.Clamped("edge")],
+        loads=[ks.Pressure(1.0)],
+        probes={"centre": (0, 0, 0)},
+    )
+    result = ks.solve(scene, large_deflection=False, element="hhj", order=6)
+    off, share = result.probes["centre"]["u"][2] - ellipse_centre(), result.error["budget"]["geometry"]
+    assert abs(off) <= half(result, "centre", 2)
+    assert 0.01 * moved < share < 2.0 * moved + (0.01 if rings == 3 else 1e-4)  # of the spline itself
+
+
+def test_outlying_nodes_stand_out_alone() -> None:
+    t = np.linspace(0.0, 2.0 * np.pi, 25)
+    curve = np.stack([np.cos(t) + 0.1 * np.cos(2.0 * t), 0.7 * np.sin(t)], axis=1)
+    assert outlying(t, curve, True).max() < 1e-5
+    for closed, node in ((True, 7), (True, 0), (False, 9)):
+        nodes = curve.copy()
+        nodes[node] += 1e-3 * curve[node]
+        if closed:
+            nodes[-1] = nodes[0]
+        found = outlying(t, nodes, closed)
+        assert int(np.argmax(found)) == node
+        assert 2e-4 < found[node] < 1e-3
