@@ -25,8 +25,9 @@ MOST_REFINEMENTS = 12
 # relative energy of the last correction; the error of the solution is about its square root smaller
 FINISHED = 1e-22
 HOPELESS = 1e-4
-# energy of a motion formed from strains, against that of its unknowns one by one, that is rounding squared
-MECHANISM = 1e-25
+# energy of a motion formed from strains, against that of its unknowns one by one: what is rounding squared, and from
+# where on it may be, since a factor leaves up to 3e-22 of a mechanism (6e-33 to 4e-30 once refined)
+MECHANISM, SUSPECT = 1e-25, 1e-14
 HOLD = "add supports there (a strip with a hinge between simply supported ends is such a mechanism)"
 
 
@@ -147,12 +148,23 @@ class LinearSolver:
         if not np.isfinite(motion).all():
             raise InputError(f"the shell can move freely: its stiffness is singular; {HOLD}")
         motion = motion / np.abs(motion).max()
-        strain = self.elastic.linear_strain(motion)
-        energy = float(np.sum(strain * self.elastic.stress(strain)))
-        if self.springs is not None:
-            energy += float(motion @ (self.springs @ motion))
-        if energy <= MECHANISM * float(motion @ (self._diagonal * motion)):
+        softness, forces = self._resisted(motion)
+        if MECHANISM < softness <= SUSPECT:
+            motion = motion - self.reduction.basis @ self._solve(self.reduction.basis.T @ forces)
+            softness, _ = self._resisted(motion)
+        if softness <= MECHANISM:
             raise InputError(f"the shell can move freely{_where(self.elastic, motion)}: {HOLD}")
+
+    def _resisted(self, motion: Floats) -> tuple[float, Floats]:
+        """The energy of a motion against that of its unknowns one by one, and the (unknowns,) forces against it."""
+        strain = self.elastic.linear_strain(motion)
+        stress = self.elastic.stress(strain)
+        energy, forces = float(np.sum(strain * stress)), self.elastic.linear_forces(stress)
+        if self.springs is not None:
+            pulled = self.springs @ motion
+            energy, forces = energy + float(motion @ pulled), forces + pulled
+        alone = float(motion @ (self._diagonal * motion))
+        return (energy / alone if alone > 0.0 else 0.0), forces
 
 
 def solve_roughly(

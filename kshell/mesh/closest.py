@@ -85,6 +85,18 @@ class Locator:
         self._last: tuple[Floats, Nearest] | None = None
 
     @classmethod
+    def on(cls, mesh: Mesh, group: str, points: Floats) -> Nearest:
+        """The closest points of a surface group to (n, 3) points; triangles are numbered as in the mesh."""
+        chosen = np.asarray(mesh.groups[group].members, dtype=np.int64)
+        nodes = (
+            mesh.points[mesh.triangles]
+            if mesh.midpoints is None
+            else quadratic.node_points(mesh, mesh.midpoints)
+        )
+        found = cls(nodes[chosen]).find(points)
+        return found._replace(triangles=chosen[found.triangles])
+
+    @classmethod
     def of(cls, mesh: Mesh) -> Locator:
         """Of a mesh of order 1 or 2."""
         return cls(

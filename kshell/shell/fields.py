@@ -146,15 +146,11 @@ class ShellFields:
 
     def on(self, points: Floats, group: str) -> dict[str, Floats]:
         """The values of `at` on the triangles of a surface group."""
-        chosen = np.asarray(self.mesh.groups[group].members, dtype=np.int64)
-        nodes = self.mesh.points[self.mesh.triangles[chosen]]
-        if self.mesh.midpoints is not None:
-            nodes = np.concatenate([nodes, self.mesh.midpoints[self.mesh.triangle_edges[chosen]]], axis=1)
-        found = Locator(nodes).find(np.asarray(points, dtype=float))
-        inside = set(chosen.tolist())
+        found = Locator.on(self.mesh, group, np.asarray(points, dtype=float))
+        inside = set(self.mesh.groups[group].members.tolist())
         rows = []
         for t, xi in zip(found.triangles, found.xi, strict=True):
-            beside = self._beside(int(chosen[t]), xi)
+            beside = self._beside(int(t), xi)
             rows.append(self._shown([place for place in beside if place[0] in inside]))
         return self._together(rows, points)
 

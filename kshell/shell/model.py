@@ -18,10 +18,12 @@ from kshell.equilibrium.oscillator import Oscillator
 from kshell.equilibrium.problem import Problem, State
 from kshell.equilibrium.rigid_modes import Participation, RigidModes
 from kshell.errors import InputError, SolveError
+from kshell.mesh.closest import Locator
 from kshell.result.deferred import Deferred
 from kshell.result.result import Result
 from kshell.scene.loads import Load
 from kshell.scene.placed import Placed
+from kshell.scene.places import ProbePoint
 from kshell.scene.structure import Structure
 from kshell.shell import vibration
 from kshell.shell.answer import (
@@ -230,7 +232,12 @@ class ShellModel(FiniteModel):
         return float(np.sqrt(12.0 * np.abs(section.bending).max() / np.abs(section.membrane).max()))
 
     def probe_row(self, name: str, component: str) -> Floats:
-        found = self.problem.locator.find(np.array([self.structure.probes[name]], dtype=float))
+        given = self.structure.probes[name]
+        at = np.array([given], dtype=float)
+        if isinstance(given, ProbePoint):
+            found = Locator.on(self.problem.space, given.on, at)
+        else:
+            found = self.problem.locator.find(at)
         axis = "xyz".index(component)
         row: Floats = self.problem.discretisation.translation_row(int(found.triangles[0]), found.xi[0], axis)
         return row

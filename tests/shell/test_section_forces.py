@@ -196,3 +196,12 @@ def test_a_probe_on_a_step_of_a_plate():
     assert abs(result.probe("p")["stress_top"][0]) == pytest.approx(600 / 0.01**2, rel=1e-8)
     assert result.probe("b")["x"] == pytest.approx([0.5, 0.5, 0.0])
     assert abs(result.probe("b")["stress_top"][0]) == pytest.approx(600 / 0.01**2, rel=1e-8)
+
+
+def test_a_probe_off_its_group():
+    """Its value is that of the nearest point of the group, and so is its interval."""
+    given = {"at": (0.0, 0.5, 0.9), "on": "plating"}
+    result = ks.solve(tee(probes={"a": given, "b": (0.0, 0.5, 0.0)}), large_deflection=False)
+    a, b = (result.error["probes"][name]["u"]["half_width"] for name in "ab")
+    assert result.probe("a")["u"] == pytest.approx(result.probe("b")["u"], rel=1e-9)
+    assert a == pytest.approx(b, rel=1e-6)
