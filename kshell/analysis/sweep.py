@@ -7,15 +7,21 @@ import csv
 import os
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from itertools import product
 from pathlib import Path
 from typing import Any
 
+from kshell.analysis.forked import Forked, can_fork
 from kshell.analysis.solve import answer
 from kshell.errors import InputError, KshellWarning, SolveError
+from kshell.geometry.charts import Cylinder, Plane
+from kshell.material.materials import Isotropic
 from kshell.result.result import Result
+from kshell.scene.loads import Pressure
 from kshell.scene.scene import Scene
+from kshell.scene.supports import Clamped
 from kshell.scene.toml import set_value
 from kshell.scene.writing import scene_data
 
@@ -86,7 +92,7 @@ def sweep(
     workers : int, optional
         Processes; one per core if absent. 1 solves one after the other in this process.
     progress : function, optional
-        Called with words after each point.
+        Called with words at the beginning, and after each point.
     allow_system, **options :
         As for `solve`.
 
@@ -107,13 +113,17 @@ def sweep(
     data = scene_data(scene)
     rows: list[list[Row]] = []
     refusals: list[str] = []
-    for number, (found, refused) in enumerate(_solved(data, points, options, allow_system, workers), 1):
-        rows.append(found)
-        refusals.append(refused)
-        if progress is not None:
-            progress(
-                f"sweep: point {number} of {len(points)}{': ' + found[0]['error'] if found[0]['error'] else ''}"
-            )
+    tell = progress or (lambda words: None)
+
+    def begun() -> None:
+        tell(f"sweep: {len(points)} points")
+
+    with closing(_solved(data, points, options, allow_system, workers, begun)) as solved:
+        for number, (point, (found, refused)) in enumerate(zip(points, solved, strict=True), 1):
+            rows.append([{**point, **row} for row in found])
+            refusals.append(refused)
+            failed = found[0]["error"]
+            tell(f"sweep: point {number} of {len(points)}{': ' + failed if failed else ''}")
     if refusals[0] and len(set(refusals)) == 1:
         raise InputError(refusals[0])
     return Sweep((row for point in rows for row in point), parameters)
@@ -135,25 +145,53 @@ def _number(value: Any) -> Any:
 
 
 def _solved(
-    data: Row, points: Sequence[Row], options: Row, allow_system: bool, workers: int | None
-) -> Iterator[tuple[list[Row], str]]:
-    from joblib import Parallel, cpu_count, delayed, parallel_config
-
+    data: Row,
+    points: Sequence[Row],
+    options: Row,
+    allow_system: bool,
+    workers: int | None,
+    begun: Callable[[], None],
+) -> Generator[tuple[list[Row], str]]:
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise InputError(f"sweep: workers = {workers!r} must be a whole number > 0")
+    from joblib import Parallel, cpu_count, delayed, parallel_config
+
     count = min(workers or cpu_count(only_physical_cores=True), len(points))
-    folder = Path.cwd()  # processes of an earlier sweep serve again, and stand where that was begun
+    folder = Path.cwd()  # processes of loky serve again, and stand where an earlier sweep was begun
+
+    def solved(number: int) -> tuple[list[Row], str]:
+        return _point(data, points[number], options, allow_system, folder)
+
     if count == 1:
-        for point in points:
-            yield _point(data, point, options, allow_system, folder)
+        begun()
+        yield from map(solved, range(len(points)))
         return
+    if can_fork():
+        _warm_up()
+        if can_fork():
+            with Forked(solved, count) as processes:
+                begun()
+                yield from processes.answers(len(points), lambda why: ([{"error": why}], ""))
+            return
+    begun()
     with parallel_config("loky", n_jobs=count, inner_max_num_threads=1):
         jobs = (delayed(_point)(data, point, options, allow_system, folder) for point in points)
         yield from Parallel(return_as="generator")(jobs)
 
 
+def _warm_up() -> None:
+    """Import and make, before processes are forked, what each would import and make again."""
+    steel, names = Isotropic(E=1.0, nu=0.3), ("a", "b", "c", "d")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for surface in (Plane(), Cylinder(R=1.0)):
+            mesh = surface.mesh(2, 2, 2, names, (0, 1), (0, 1))
+            loads = [Pressure(1e-6)]
+            answer(Scene(mesh, 0.1, material=steel, supports=[Clamped("a")], loads=loads), {})
+
+
 def _point(data: Row, point: Row, options: Row, allow_system: bool, folder: Path) -> tuple[list[Row], str]:
-    """Rows of one point, and why its input was refused, if it was."""
+    """Rows of one point without its parameters, and why its input was refused, if it was."""
     begin = time.perf_counter()
     try:
         own = copy.copy(data)
@@ -164,20 +202,20 @@ def _point(data: Row, point: Row, options: Row, allow_system: bool, folder: Path
             warnings.simplefilter("ignore", RuntimeWarning)  # what is not finite ends as a SolveError
             result = answer(Scene.from_dict(own, folder, source="sweep"), options, allow_system=allow_system)
             cases = result.cases or {"": result}
-            rows = [_row(point, name, case) for name, case in cases.items()]
+            rows = [_row(name, case) for name, case in cases.items()]
     except InputError as error:
-        return [{**point, "error": str(error)}], str(error)
+        return [{"error": str(error)}], str(error)
     except (SolveError, MemoryError) as error:
-        return [{**point, "error": str(error) or "out of memory"}], ""
+        return [{"error": str(error) or "out of memory"}], ""
     for row in rows:
         row["seconds"] = time.perf_counter() - begin
         row["error"] = ""
     return rows, ""
 
 
-def _row(point: Row, name: str, result: Result) -> Row:
+def _row(name: str, result: Result) -> Row:
     document = result.to_dict()
-    row = dict(point)
+    row: Row = {}
     if name:
         row["case"] = name
     for probe, values in document["probes"].items():

@@ -36,12 +36,17 @@ class Progress:
         self._log_path, self._log = log, None if log is None else _opened(log)
         self._bar: Bar | None = None
         self._lock = threading.Lock()
+        self._timer: threading.Timer | None = None
         self._begin = self._last = time.monotonic()
 
     def __call__(self, stage: str) -> None:
         with self._lock:
             self.stage = stage
             self._note(stage)
+            if self._timer is None and sys.stderr.isatty():
+                self._timer = threading.Timer(PATIENCE, self._show)
+                self._timer.daemon = True
+                self._timer.start()
             if stage.startswith(LEVEL):
                 self._keep(f"kshell: {stage}")
             elif self._bar is not None:
@@ -78,11 +83,7 @@ class Progress:
 
     @contextmanager
     def shown(self) -> Iterator[Progress]:
-        """Show while the block runs."""
-        timer = threading.Timer(PATIENCE, self._show)
-        timer.daemon = True
-        if sys.stderr.isatty():
-            timer.start()
+        """Show while the block runs, from the first call on: until then this begins no thread."""
         try:
             yield self
         except BaseException as error:
@@ -91,7 +92,8 @@ class Progress:
         else:
             self._note("done")
         finally:
-            timer.cancel()
+            if self._timer is not None:
+                self._timer.cancel()
             with self._lock:
                 if self._bar is not None:
                     self._bar.stop()

@@ -1,6 +1,8 @@
 """Sweeps: rows in order, points that fail, the same rows from one process and from two, files, and bad input."""
 
 import csv
+import os
+import sys
 
 import numpy as np
 import pytest
@@ -64,6 +66,22 @@ def test_a_failed_point_is_a_row_with_its_reason():
     assert [bool(row["error"]) for row in rows] == [False, True]
     assert "nu" in rows[1]["error"]
     assert "tip.uz" not in rows[1]
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processes are forked on Linux")
+def test_a_point_whose_process_dies_is_a_row_with_its_reason(monkeypatch):
+    monkeypatch.setattr("kshell.analysis.sweep.can_fork", lambda: True)
+    here = os.getpid()
+
+    def deadly(x, y, z):
+        if os.getpid() != here:
+            os._exit(9)
+        return -100.0 + 0 * x
+
+    rows = ks.sweep(plate(), {"load.0.value": [-100.0, deadly, -200.0]}, workers=2)
+    assert [bool(row["error"]) for row in rows] == [False, True, False]
+    assert "ended with the code 9" in rows[1]["error"]
+    assert rows[2]["tip.uz"] < rows[0]["tip.uz"] < 0.0
 
 
 def test_cases_have_a_row_each(tmp_path):
