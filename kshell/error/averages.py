@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.quadrature import triangle_rule
-from kshell.error.corner_fits import CornerFits
+from kshell.error.corner_fits import NARROW, SINGLE, CornerFits
 from kshell.shell.frames import (
     components,
     contravariant_to_frame,
@@ -55,6 +55,8 @@ class Averages:
     Attributes
     ----------
     area : (triangle,)
+    why_not : str
+        Why they do not tell the error of every triangle, if so.
     """
 
     def __init__(self, problem: ShellProblem) -> None:
@@ -79,7 +81,9 @@ class Averages:
             "pn,tnx->tpx", lagrange(surface.order, nodes), surface.nodes[surface.triangle_nodes]
         )
         self._fits = CornerFits(mesh.triangles, mesh.triangle_edges, pieces, degree, position, at.axes)
-        self._untold = self._fits.untold(surface.order)
+        single, narrow = self._fits.untold(surface.order), self._fits.narrow(surface.order)
+        self._untold = single | narrow
+        self.why_not = SINGLE if single.any() else NARROW if narrow.any() else ""
         self.area: Floats = at.area.mean(axis=1) / 2.0
         self._weight = np.repeat(self.area, node.shape[1])
         self._total = np.bincount(self.number.ravel(), self._weight)

@@ -38,6 +38,10 @@ SINGLE = (
     "a part of one smooth shape and one stiffness has one or two triangles, which tell nothing of their error with "
     "elements of order 1 or 2: take order 3, or a finer mesh"
 )
+NARROW = (
+    "a part of one smooth shape and one stiffness is one triangle wide, which tells nothing of its error with elements "
+    "of order 1: take order 2, or a finer mesh"
+)
 RANK = 1e-10  # of eigenvalues of the normal equations, below which a few triangles do not tell a coefficient
 
 
@@ -83,6 +87,7 @@ class CornerFits:
         self._single = (np.bincount(corner.ravel()) == 1)[corner].all(axis=1)
         shared = np.bincount(edge[alone].ravel(), minlength=int(edge.max()) + 1) > 1
         self._pair = shared[edge].any(axis=1)
+        self._narrow = _one_triangle_wide(corner, corner[:, np.array(EDGES)][on_boundary])
         self._p[self._single[self._member], :, -(degree + 1) :] = 0.0  # the monomials of the highest degree
         normal = np.zeros((len(vertices), self._p.shape[2], self._p.shape[2]))
         np.add.at(normal, self._fit, self._p.swapaxes(1, 2) @ self._p)
@@ -101,6 +106,10 @@ class CornerFits:
         if order > 2:
             return np.zeros_like(self._single)
         return self._single if order == 2 else self._single | self._pair
+
+    def narrow(self, order: int) -> NDArray[np.bool_]:
+        """(triangle,) whether shells of an order tell nothing of it because its part is one triangle wide there."""
+        return self._narrow & (order == 1)
 
     def values(self, tensor: Floats) -> Floats:
         """(n, 3) at the boundary nodes, in the frames of tensors (triangle, node, 3) there."""
@@ -140,6 +149,15 @@ def _by_piece(number: Ints, pieces: Ints) -> Ints:
     """Numbers (triangle, 3) of corners or edges that differ from piece to piece."""
     key = pieces[:, None] * (int(number.max()) + 1) + number.astype(np.int64)
     return np.unique(key.ravel(), return_inverse=True)[1].reshape(key.shape).astype(np.int64)
+
+
+def _one_triangle_wide(corner: Ints, border: Ints) -> NDArray[np.bool_]:
+    """(triangle,) whether no triangle at its corners has a vertex inside; `border` (n, 2): edges of the border."""
+    inside = np.ones(int(corner.max()) + 1, dtype=bool)
+    inside[border] = False
+    near = np.zeros_like(inside)
+    near[corner[inside[corner].any(axis=1)]] = True
+    return np.asarray(~near[corner].any(axis=1))
 
 
 def _around(corner: Ints, edge: Ints, vertices: Ints) -> tuple[Ints, Ints]:

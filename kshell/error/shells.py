@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from kshell.equilibrium.problem import State
 from kshell.error.assessment import ENERGY, Assessment, Interval
 from kshell.error.averages import Averages
-from kshell.error.corner_fits import SINGLE
 from kshell.error.estimate import Estimate
 from kshell.error.geometry_share import (
     curvature_of_triangles,
@@ -114,7 +113,7 @@ def _assess(
     membrane, bending = energies(problem.energy, strain)
     shares, stored = _shares(model, membrane, bending), membrane + bending
     total = float(own.sum())
-    out = Assessment(why_not=WHY_NOT if averages.told else SINGLE, told=averages.told)
+    out = Assessment(why_not=averages.why_not or WHY_NOT, told=averages.told)
     unknown = 0.0 if averages.told else np.inf
     half = 0.5 * safety * total + unknown
     out.energy = Estimate(result.strain_energy, half, half / (2.0 * safety), "estimated", WHY_NOT)

@@ -13,6 +13,7 @@ from kshell.mesh.halve import halved
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect_around
 from tests.plate.plates import rectangle
+from tests.shell.shapes import joined
 
 MATERIAL = ks.Isotropic(E=210e9, nu=0.3)
 EXACT = 1e-3  # tolerance of what stands for the truth
@@ -210,3 +211,34 @@ def test_morley_plates_are_not_graded_beyond_their_digits() -> None:
     result = solved(of, element="morley", tolerance=0.2, quantity="p")
     assert result.error["estimate"] <= 0.2
     assert result.balance < 1e-6
+
+
+def folded(cells: int, wide: int) -> Mesh:
+    """Three flat parts that meet at 31 degrees, each some cells long and so many wide."""
+    turn = np.radians([0.0, 31.0, 62.0])
+    corner = np.concatenate([[[0.0, 0.0]], np.cumsum(np.stack([np.cos(turn), np.sin(turn)], axis=1), axis=0)])
+    parts = []
+    for (x, z), (dx, dz) in zip(corner[:-1], np.diff(corner, axis=0), strict=True):
+        flat = rectangle(cells, wide, a=1.0, b=1.0)
+        s, t = flat.points[:, 0], flat.points[:, 1]
+        parts.append((np.stack([x + s * dx, t, z + s * dz], axis=1), flat.triangles))
+    mesh = joined(*parts)
+    held = mesh.edges[(mesh.points[mesh.edges][:, :, 0] < 1e-9).all(axis=1)]
+    return Mesh.from_arrays(mesh.points, mesh.triangles, {"rim": held, "all": mesh.triangles})
+
+
+@pytest.mark.parametrize(
+    "load", [ks.Pressure(1e4), ks.InitialCurvature((0.01, 0.0, 0.005))], ids=["p", "kappa"]
+)
+def test_parts_one_triangle_wide(load: Any) -> None:
+    """All vertices are on folds and borders: elements of order 1 see nothing of what bends between them."""
+    of = scene(folded(3, 1), ks.Clamped("rim"), tuple(folded(3, 1).points[-1]), loads=[load])
+    exact = solved(of, tolerance=0.01, quantity="p")
+    error = solved(of, order=1).error
+    assert error["kind"] == "none"
+    assert "one triangle wide" in error["why_not"]
+    for order in (2, 3, 4):
+        assert holds(solved(of, order=order), exact)
+    finer = dataclasses.replace(of, mesh=folded(4, 2))
+    assert solved(finer, order=1).error["kind"] == "estimated"
+    assert holds(solved(finer, order=1), exact)
