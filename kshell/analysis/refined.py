@@ -30,6 +30,7 @@ from kshell.analysis.plate_choice import chosen
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
 from kshell.analysis.run import Run
 from kshell.analysis.shear import account_for_shear
+from kshell.analysis.stalled import why_stalled
 from kshell.analysis.static import Answered, answer_once
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
@@ -277,7 +278,7 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
                 "missed"
             )
     elif stalled >= GAINLESS:
-        return "further levels gain nothing: rounding sets the limit"
+        return why_stalled(loop, level)
     if len(loop.levels) >= MOST_LEVELS:
         return f"{MOST_LEVELS} levels were not enough"
     return ""

@@ -242,3 +242,17 @@ def test_parts_one_triangle_wide(load: Any) -> None:
     finer = dataclasses.replace(of, mesh=folded(4, 2))
     assert solved(finer, order=1).error["kind"] == "estimated"
     assert holds(solved(finer, order=1), exact)
+
+
+@pytest.mark.full
+def test_what_stalls_is_named() -> None:
+    """A moment at a point has no finite energy: refining goes on around it, and digits are not what is short."""
+    mesh = folded(3, 1)
+    tip = tuple(mesh.points[-1])
+    of = scene(
+        mesh, ks.Clamped("rim"), tip, loads=[ks.Pressure(1e3), ks.PointMoment(tip, (100.0, -200.0, 30.0))]
+    )
+    result = solved(of, tolerance=1e-4, quantity="p")
+    assert result.error["estimate"] > 1e-4
+    assert "point moment" in result.error["why_not"]
+    assert "rounding" not in result.error["why_not"]
