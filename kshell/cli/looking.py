@@ -69,7 +69,7 @@ def check(
 ) -> None:
     """Say what is in a scene or mesh, what would be modelled and what is wrong; solves nothing."""
     from kshell.analysis.check import check_mesh, check_scene
-    from kshell.cli.terminal import print_findings
+    from kshell.cli.findings import print_findings
 
     if output is not None and not plot:
         raise InputError("-o is for the picture: give --plot, too")
@@ -148,7 +148,7 @@ def sweep(
 ) -> None:
     """Solve a scene for all combinations of values of its parameters."""
     from kshell.analysis.sweep import sweep as sweep_scene
-    from kshell.cli.terminal import print_sweep
+    from kshell.cli.compared import print_sweep
 
     require_scene(source, "sweep")
     scene, parameters = scene_of(source, {}, []), parameters_of(set_)
@@ -177,7 +177,7 @@ def diff(
     debugging: Debugging,
 ) -> None:
     """Say what differs between two results."""
-    from kshell.cli.terminal import print_differences
+    from kshell.cli.compared import print_differences
     from kshell.result.compare import ROUNDING, differences
     from kshell.result.result import Result
 

@@ -15,10 +15,6 @@ from kshell.mesh.words import place
 from kshell.result.rounding import without_rounding
 
 if TYPE_CHECKING:
-    from kshell.analysis.check import Findings
-    from kshell.analysis.sweep import Sweep
-    from kshell.mesh.quality import Quality, Summary
-    from kshell.result.compare import Difference
     from kshell.result.result import Result
 
 # quantities at a probe: what they are called in the table
@@ -33,7 +29,6 @@ AT_PROBES = {
     "stress_bottom": "stress bottom",
 }
 DIRECTIONS = ["x, xx", "y, yy", "z, xy"]
-MOST_DIFFERENCES = 40
 # load factors, or frequencies, of each case that are shown
 FIRST_OF_CASES = 3
 
@@ -93,7 +88,7 @@ def print_result(result: Result, written: Iterable[str], seconds: float, writing
         _print_balance(out, result)
     for line in interval_lines(result):
         out.print(f"  {_escaped(line)}")
-    _print_warnings(out, result.warnings)
+    print_warnings(out, result.warnings)
     out.print(
         f"solver {result.solver.get('name', '?')}; {seconds:.2f} s ({', '.join(_stages(result, seconds, writing))})"
     )
@@ -154,48 +149,6 @@ def _print_cases(out: Console, result: Result) -> None:
     out.print(table(heads, rows, title, len(names) + modes))
     if result.envelope.extremes:
         _print_extremes(out, result.envelope.extremes, "Envelope")
-
-
-def print_sweep(rows: Sweep, written: Iterable[str]) -> None:
-    """Parameters and largest values of every point, and the reasons of those without an answer."""
-    out = console()
-    numbers = ("deflection", "von_mises", "frequency_1", "factor_1")
-    shown = [name for name in rows.columns if name in numbers]
-    given = rows.parameters + (["case"] if "case" in rows.columns else [])
-    body = [
-        [
-            *(_side(row.get(name, "")) for name in given),
-            row["error"],
-            *(number(row[name]) if row.get(name) is not None else "" for name in shown),
-        ]
-        for row in rows
-    ]
-    out.print(table([*given, "no answer", *shown], body, f"Sweep, {len(rows)} rows", len(shown)))
-    for path in written:
-        out.print(f"written: {_escaped(path)}")
-
-
-def print_differences(found: Sequence[Difference], first: str, second: str) -> None:
-    """The largest differences of two results."""
-    out = console()
-    if not found:
-        out.print(f"no differences but rounding between {_escaped(first)} and {_escaped(second)}")
-        return
-    rows = []
-    for difference in found[:MOST_DIFFERENCES]:
-        share = "-" if difference.relative == float("inf") else f"{difference.relative:.2e}"
-        rows.append([difference.what, _side(difference.first), _side(difference.second), share])
-    out.print(table(["what", first, second, "relative"], rows, f"{len(found)} differences", 1))
-    if len(found) > MOST_DIFFERENCES:
-        out.print(f"{len(found) - MOST_DIFFERENCES} smaller ones are not shown")
-
-
-def _side(value: Any) -> str:
-    if value is None:
-        return "missing"
-    if isinstance(value, list):
-        return "\n".join(_side(part) for part in value)
-    return number(value) if isinstance(value, int | float) else str(value)
 
 
 def _print_history(out: Console, result: Result) -> None:
@@ -307,64 +260,6 @@ def _print_balance(out: Console, result: Result) -> None:
     )
 
 
-def print_findings(found: Findings) -> None:
-    """What a check found, except the problems."""
-    out = console()
-    _print_summary(out, found.summary)
-    _print_quality(out, found.quality)
-    if found.model:
-        out.print("[bold]What would be solved[/bold]")
-        for words in found.model:
-            out.print(f"  {_escaped(words)}")
-    for words in found.cost:
-        out.print(_escaped(words))
-    _print_warnings(out, found.warnings)
-    if not found.problems:
-        out.print("[green]nothing found that would stop a solve[/green]")
-
-
-def _print_summary(out: Console, summary: Summary) -> None:
-    out.print(
-        f"[bold]{_escaped(summary.source)}[/bold]: order {summary.order}, {summary.vertices} vertices, "
-        f"{summary.edges} edges, {summary.triangles} triangles"
-    )
-    out.print(
-        f"from {place(summary.lower)} to {place(summary.upper)}, area {summary.area:.6g}, "
-        f"boundary {summary.boundary_length:.6g} long"
-    )
-    unit = {"point": "", "curve": "length", "surface": "area"}
-    rows = [
-        [
-            g.name,
-            g.kind,
-            _span(g.lower, g.upper),
-            str(g.members),
-            f"{unit[g.kind]} {g.measure:.6g}" if unit[g.kind] else "",
-        ]
-        for g in summary.groups
-    ]
-    heads = ["group", "kind", "from, to", "members", "size"]
-    out.print(table(heads, rows, "Groups", 2) if rows else "no groups")
-
-
-def _span(lower: tuple[float, ...], upper: tuple[float, ...]) -> str:
-    """The box of a group in words."""
-    if not lower:
-        return ""
-    first, last = (f"({', '.join(f'{v + 0.0:.4g}' for v in corner)})" for corner in (lower, upper))
-    return first if lower == upper else f"{first}, {last}"
-
-
-def _print_quality(out: Console, worst: Quality) -> None:
-    rows = [
-        ["smallest angle", f"{worst.min_angle:.3g} degrees", place(worst.min_angle_at)],
-        ["largest aspect ratio", f"{worst.max_aspect:.3g}", place(worst.max_aspect_at)],
-        ["shortest edge", f"{worst.shortest_edge:.4g}", place(worst.shortest_edge_at)],
-        ["longest edge", f"{worst.longest_edge:.4g}", place(worst.longest_edge_at)],
-    ]
-    out.print(table(["quality", "worst", "at"], rows, "Triangles"))
-
-
-def _print_warnings(out: Console, warnings: Iterable[str]) -> None:
+def print_warnings(out: Console, warnings: Iterable[str]) -> None:
     for words in warnings:
         out.print(f"[yellow]warning:[/yellow] {_escaped(words)}")

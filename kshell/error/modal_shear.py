@@ -19,7 +19,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.equilibrium.model import Model
-from kshell.error.shear import ShearShare, products, resolved, singular_places
+from kshell.error.shear import ShearShare, products, resolved
+from kshell.error.shear_places import singular_places
 from kshell.plate.assembly import assemble
 from kshell.plate.inertia import Membrane
 from kshell.plate.model import PlateModel
