@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from kshell.analysis.followed import Followed
 from kshell.analysis.interval import Interval, Known
 from kshell.equilibrium.model import Model
-from kshell.error.curve_doubt import curve_doubt, turns
+from kshell.error.curve_doubt import curve_doubt, polygon_share, turns
 from kshell.error.plates import GROWTH
 from kshell.plate.domain import Domain
 from kshell.plate.model import PlateModel
@@ -111,9 +111,10 @@ def share_of_edges(domain: Domain, off: Floats | None = None) -> float:
     if not curves.curved.any():
         return 0.0
     length = domain.mesh.edge_lengths[curves.edges]
+    polygon = polygon_share(domain) if off is None else 0.0
     off = curve_doubt(domain) if off is None else off
     relative = GROWTH * off * turns(curves) / length  # turn over length is the curvature
-    return float(np.sqrt((relative**2 * length).sum() / length.sum()))
+    return polygon + float(np.sqrt((relative**2 * length).sum() / length.sum()))
 
 
 def _domain(model: Model) -> Domain:

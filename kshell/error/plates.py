@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from kshell.elements import matrices
 from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interval
 from kshell.error.bounds import PlatePair
-from kshell.error.curve_doubt import curve_doubt, turns
+from kshell.error.curve_doubt import curve_doubt, polygon_share, turns
 from kshell.error.estimate import Estimate
 from kshell.error.goals import Goal
 from kshell.error.residual import Loaded, PlateResidual
@@ -169,5 +169,6 @@ def geometry_share(domain: Domain, off: Floats | None = None) -> float:
         return 0.0
     weights = domain.mesh.edge_lengths[curves.edges]
     # turn over length is the curvature
+    polygon = polygon_share(domain) if off is None else 0.0
     off = curve_doubt(domain) if off is None else off
-    return float(GROWTH * (off * turns(curves)).sum() / weights.sum())
+    return polygon + float(GROWTH * (off * turns(curves)).sum() / weights.sum())

@@ -10,6 +10,7 @@ Ints = NDArray[np.int32]
 
 SHARPEST_SMOOTH_TURN = np.radians(70.0)
 GENTLEST_CORNER = np.radians(12.0)
+BLUNT_CORNER = np.radians(25.0)  # turn from which a vertex of a smooth line may as well be a corner
 STRAIGHT = 1e-9
 
 
@@ -109,9 +110,18 @@ def breaks(
         inside = (index > 0) & (index < n - 1)
         return np.where(inside, x[np.clip(index, 0, n - 1)], 0.0)
 
-    sides = np.maximum(neighbour(turn, 1), neighbour(turn, -1))
     vertex = np.arange(n) % step == 0
-    corner = vertex & (turn > GENTLEST_CORNER) & ((turn > 3 * sides) | (turn > SHARPEST_SMOOTH_TURN))
+    sharp = vertex & (turn > SHARPEST_SMOOTH_TURN)
+    along = np.where(
+        sharp, 0.0, turn
+    )  # the turn of a corner is no curvature, at which its neighbours would be alike
+    sides = np.maximum(neighbour(along, 1), neighbour(along, -1))
+    corner = sharp | (vertex & (turn > GENTLEST_CORNER) & (turn > 3 * sides))
+    # one edge between straight sides: a side cut off, as no arc of one edge is known
+    for k in (-1, 1):
+        apart = np.maximum(neighbour(turn, -k), neighbour(turn, 2 * k))
+        pair = np.minimum(turn, neighbour(turn, k)) > GENTLEST_CORNER
+        corner |= vertex & pair & (apart < STRAIGHT)
     # a zigzag, such as the border of a group on a mesh that does not follow it
     bends = np.where(vertex & ~corner & (turn > GENTLEST_CORNER), signed, 0.0)
     corner |= np.any([bends * neighbour(bends, k) < 0.0 for k in (-2, -1, 1, 2)], axis=0)

@@ -16,6 +16,7 @@ from kshell.material.laminate import require_symmetric
 from kshell.mesh.check import plate_problems
 from kshell.mesh.words import count, place
 from kshell.plate.assembly import Assembled, Part, assemble, assemble_load, assemble_loads, residual
+from kshell.plate.chains import BLUNT_CORNER
 from kshell.plate.conditions import SharedSlopes
 from kshell.plate.corners import corner_angles, infinite_moments, singular_corners
 from kshell.plate.domain import Domain
@@ -44,7 +45,6 @@ Floats = NDArray[np.float64]
 
 ELEMENTS: dict[str, type[PlateElement]] = {"morley": ElementMorley, "argyris": ElementArgyris}
 
-BLUNT_CORNER = np.radians(25.0)
 # error of the deflection over the ratio of the stiffest to the softest bending: 2e-13 to 3e-11 were measured on simply
 # supported disks with nu near -1, where all bending is of the softest kind (verification/failures/poisson.py)
 AMPLIFIED = 3e-11
