@@ -76,6 +76,8 @@ ALONE = """
 import os, signal, sys, time
 import numpy as np
 from kshell.analysis.forked import Forked, can_fork
+from kshell.analysis.sweep import _warm_up
+_warm_up()  # no thread is left of it
 a = np.ones((300, 300))
 a @ a
 assert can_fork()
