@@ -36,6 +36,7 @@ from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
 from kshell.error.assessment import ENERGY, PROBES
 from kshell.error.bounds import PlatePair
+from kshell.error.infinite import infinite_energy
 from kshell.error.plates import assess_pair, geometry_share
 from kshell.error.shells import share_when_cut
 from kshell.error.sizes import MOST_GROWTH
@@ -221,6 +222,7 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
             size = largest_displacement(result)
             found.with_loads(missed_loads(model, run, size, result.strain_energy), size)
         unknowns = result.unknowns
+    found.without_energy(infinite_energy(model.structure, run.factors))
     half = max(found.relative(name) for name in wanted)
     return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered, pair, shape)
 
@@ -258,6 +260,8 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
         return f"the limit of {options.limit} would be passed by the next level"
     if peak_bytes() + GROWTH * _bytes(level) * level.unknowns > _allowed(options):
         return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
+    if level.assessment.infinite and not loop.names:
+        return level.assessment.infinite
     if level.assessment.told and not np.isfinite(level.half_width):
         return "what is asked for does not move, so no error of it is small"
     if level.shape > float(options.tolerance) and level.half_width <= LITTLE * level.shape:
@@ -349,10 +353,12 @@ def _result(loop: Refinement, first: Answered | None) -> Result:
         f"{count(len(loop.levels), 'mesh', 'meshes')}, {loop.levels[0].unknowns} to {level.unknowns} unknowns"
     )
     if loop.why_not:
-        error["why_not"] = "; ".join(part for part in (loop.why_not, found.why_not) if part)
+        others = (loop.why_not, found.infinite, found.why_not)
+        error["why_not"] = "; ".join(dict.fromkeys(part for part in others if part))
+        known = f"{what} is known within {level.half_width:.1e} ({_kind(loop, level)})"
         result.warnings.append(
-            f"the tolerance of {tolerance:g} is not reached: {what} is known within {level.half_width:.1e} "
-            f"({_kind(loop, level)}); {loop.why_not}"
+            f"the tolerance of {tolerance:g} is not reached: "
+            f"{known if np.isfinite(level.half_width) else what + ' has no interval'}; {loop.why_not}"
         )
     if loop.refiner.lost:
         result.warnings.append(loop.refiner.lost)

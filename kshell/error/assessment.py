@@ -98,6 +98,8 @@ class Assessment:
         By quantity, what that adds to its half width, over its size.
     why_not : str
         Why there is no proof, or no estimate.
+    infinite : str
+        Why the energy is infinite, if it is.
     told : bool
         Whether the solution tells its error at all; intervals are infinite otherwise, and marks say what to refine.
     """
@@ -114,6 +116,7 @@ class Assessment:
     loads: float = 0.0
     by_loads: dict[str, float] = field(default_factory=dict)
     why_not: str = ""
+    infinite: str = ""
     told: bool = True
 
     def quantities(self, wanted: str | None) -> list[str]:
@@ -152,6 +155,13 @@ class Assessment:
             return self.probes[quantity].kind
         assert self.energy is not None
         return self.energy.kind
+
+    def without_energy(self, why: str) -> None:
+        """Take the interval of an energy away that is infinite, if words say why."""
+        self.infinite = why
+        if why and self.energy is not None:
+            value, inf = self.energy.value, float("inf")
+            self.energy = Estimate(value, inf, inf, "estimated", why)
 
     def with_share(self, share: float) -> None:
         """Widen all intervals by a relative error of another origin, as that of the algebra."""
@@ -234,8 +244,9 @@ class Assessment:
         for name, p in self.probes.items():
             if not np.array_equal(p.value, result.motion_at_probe(name)):
                 result.probes[name]["u"] = result.probe_motions[name] = p.value
-        if self.why_not:
-            error["why_not"] = self.why_not
+        why_not = "; ".join(words for words in (self.infinite, self.why_not) if words)
+        if why_not:
+            error["why_not"] = why_not
         budget: dict[str, Any] = error["budget"]
         budget["discretisation"] = error["estimate"]
         budget["geometry"] = self.geometry
