@@ -140,8 +140,7 @@ def _answer(
     warnings = problem.warnings()
     if balance > UNBALANCED:
         warnings.append(
-            f"loads and reactions differ by {balance:.1e} of the larger: the solution has few correct digits; look "
-            "for very small or very thin triangles (`kshell check`), or a shell that is hardly held"
+            f"loads and reactions differ by {balance:.1e} of the larger: {problem.discretisation.unbalanced()}"
         )
     warnings += _drift_warning(problem, solution, fields)
     probed = probes_of(problem, fields)

@@ -89,6 +89,13 @@ class Discretisation(ABC):
         """What the user should know about it."""
         return []
 
+    def unbalanced(self) -> str:
+        """Why loads and reactions may differ, and how to mend it, in words."""
+        return (
+            "the solution has few correct digits; look for very small or very thin triangles (`kshell check`), or a "
+            "shell that is hardly held"
+        )
+
     @abstractmethod
     def conditions(self) -> Conditions:
         """Empty conditions on the motion."""

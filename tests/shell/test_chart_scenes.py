@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from tests.shell.shapes import rectangle
 from tests.shell.shell_scenes import MESHES
 
 TURNED = ((0.6, 0.0, 0.8), (0.0, 1.0, 0.0), (-0.8, 0.0, 0.6))
@@ -97,3 +98,23 @@ def test_auto_keeps_argyris_for_what_it_has_now():
         tube(4, supports, [*loads, ks.Temperature(mean=1.0, expansion=1e-5)]), large_deflection=False
     )
     assert result.model["element"] == "argyris"
+
+
+def test_moments_on_coarse_charts_balance_as_turns_are_followed():
+    """Two triangles do not follow a turn of a cone: the warning says so, and finer ones do."""
+    balance = []
+    for n in (1, 2, 4):
+        mesh = rectangle(n, n, 0.0, 1.0, 0.2, 0.8)
+        held = mesh.edges[(np.abs(mesh.points[mesh.edges][:, :, 0]) < 1e-9).all(axis=1)]
+        mesh = ks.Mesh.from_arrays(mesh.points, mesh.triangles, {"held": held, "all": mesh.triangles})
+        scene = ks.Scene(
+            mesh, chart=ks.geometry.Cone(), thickness=0.003, material=ks.Isotropic(E=2e11, nu=0.3),
+            supports=[ks.Clamped("held")], loads=[ks.Pressure(1e4)],
+        )  # fmt: skip
+        result = ks.solve(scene, large_deflection=False, element="argyris")
+        balance.append(result.balance)
+        said = [words for words in result.warnings if words.startswith("loads and reactions differ")]
+        assert len(said) == (result.balance > 1e-6)
+        assert all("follow a turn of the chart" in words and "koiter" in words for words in said)
+    assert balance[0] > 1e-6
+    assert balance[2] < 1e-3 * balance[0]

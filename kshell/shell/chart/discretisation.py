@@ -143,6 +143,13 @@ class ArgyrisDiscretisation(Discretisation):
         x, x_a, x_ab = self.surface.chart.derivatives(u, v, order=2)
         return x, x_a, x_ab
 
+    def unbalanced(self) -> str:
+        """Rigid turns of a chart are no polynomials of its parameters, and strain triangles that bend much."""
+        return (
+            "Argyris functions follow a turn of the chart no closer on these triangles, and moments balance no better; "
+            'take more triangles, or element = "koiter"'
+        )
+
     def rigid_motions(self, centre: Floats, size: float, moved: Floats | None = None) -> Floats:
         """(unknowns, 6): unit translations along x, y, z, and turns by 1 / size about axes through the centre.
 
