@@ -35,7 +35,6 @@ from kshell.shell.chart.energy import ChartKoiter
 from kshell.shell.chart.model import ChartModel
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.model import KoiterModel
-from kshell.shell.problem import ShellProblem
 from kshell.shell.reference import lagrange
 
 Floats = NDArray[np.float64]
@@ -55,7 +54,8 @@ def assess_difference(
     added. ``marks`` for refinement are those of the Koiter elements, whose forces and moments jump.
     """
     try:
-        problem = KoiterModel(model.structure, ORDER).problem
+        other = KoiterModel(model.structure, ORDER)
+        problem = other.problem
         initial = problem.loads.initial
         x = solve_roughly(problem.energy, problem.load, problem.reduction, problem.springs, initial)
     except (InputError, SolveError) as error:
@@ -73,9 +73,11 @@ def assess_difference(
     off = max(abs(own - stored), 0.5 * apart)
     out.energy = Estimate(own, SAFETY * off, LIKELY * SAFETY * off, "estimated", WHY_NOT)
     share = off / abs(own) if own != 0.0 else 0.0
-    for name, moved in zip(names, _moved(model, problem, x, names), strict=True):
+    for name in names:
         value = result.motion_at_probe(name)
-        width = np.abs(value - moved) + share * np.abs(value)
+        moved = np.array([other.probe_row(name, letter) @ x for letter in "xyz"])
+        # of all of the motion: a small component is no better known for lying across a large one
+        width = np.abs(value - moved) + share * float(np.linalg.norm(value))
         out.probes[name] = Interval(value, width, LIKELY * width, "estimated")
     if marks:
         local = Averages(problem).local(strain)
@@ -113,17 +115,3 @@ def energy_of_difference(
         kappa = np.linalg.solve(d, bent[..., None])[..., 0]
         both = (a @ off[..., None])[..., 0]
     return np.asarray((off * both).sum(axis=(1, 2)) + (kappa * bent).sum(axis=(1, 2)))
-
-
-def _moved(model: ChartModel, problem: ShellProblem, x: Floats, names: Sequence[str]) -> Floats:
-    """(n, 3) displacements of the Koiter elements at probes."""
-    if not names:
-        return np.zeros((0, 3))
-    places = np.array([model.structure.probes[name] for name in names], dtype=float)
-    found = model.problem.locator.find(places)  # the same surface
-    return np.array(
-        [
-            [problem.discretisation.translation_row(int(triangle), xi, axis) @ x for axis in range(3)]
-            for triangle, xi in zip(found.triangles, found.xi, strict=True)
-        ]
-    )

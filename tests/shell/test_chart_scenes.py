@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.mesh.halve import halved
 from tests.shell.shapes import rectangle
 from tests.shell.shell_scenes import MESHES
 
@@ -118,3 +119,24 @@ def test_moments_on_coarse_charts_balance_as_turns_are_followed():
         assert all("follow a turn of the chart" in words and "koiter" in words for words in said)
     assert balance[0] > 1e-6
     assert balance[2] < 1e-3 * balance[0]
+
+
+@pytest.mark.full
+def test_small_components_of_probes_on_charts():
+    """A tip that moves along x and y, and little along z: the interval of z knows how far x and y are off."""
+    a = 0.6257
+    mesh = rectangle(5, 3, 0.0, a, 0.0, 1.0)
+    held = mesh.edges[(np.abs(mesh.points[mesh.edges][:, :, 0]) < 1e-9).all(axis=1)]
+    mesh = ks.Mesh.from_arrays(mesh.points, mesh.triangles, {"held": held, "all": mesh.triangles})
+    scene = ks.Scene(
+        mesh, chart=ks.geometry.Cylinder(1.0), thickness=0.003, material=ks.Isotropic(E=2e11, nu=0.3),
+        supports=[ks.Clamped("held")], loads=[ks.Pressure("1e4*(1+x+z*y)")],
+        probes={"p": (np.cos(a), np.sin(a), 0.5)},
+    )  # fmt: skip
+    result = ks.solve(scene, large_deflection=False, element="argyris")
+    finer = dataclasses.replace(scene, mesh=halved(halved(mesh)))
+    exact = ks.solve(finer, large_deflection=False, element="koiter", order=5)
+    width = [np.array(r.error["probes"]["p"]["u"]["half_width"]) for r in (result, exact)]
+    off = np.abs(np.subtract(result.probe("p")["u"], exact.probe("p")["u"]))
+    assert (off <= width[0] + width[1]).all()
+    assert width[0].max() < 1e-4 * np.abs(result.probe("p")["u"]).max()
