@@ -12,6 +12,8 @@ SHARPEST_SMOOTH_TURN = np.radians(70.0)
 GENTLEST_CORNER = np.radians(12.0)
 BLUNT_CORNER = np.radians(25.0)  # turn from which a vertex of a smooth line may as well be a corner
 STRAIGHT = 1e-9
+ALIKE = 1.5  # ratio of turns at both ends of such an edge
+FLAT = 1e-6  # angle between edges of one straight side, of nodes with rounding
 
 
 def chained(ends: Ints) -> list[tuple[NDArray[np.int64], NDArray[np.bool_], bool]]:
@@ -117,11 +119,15 @@ def breaks(
     )  # the turn of a corner is no curvature, at which its neighbours would be alike
     sides = np.maximum(neighbour(along, 1), neighbour(along, -1))
     corner = sharp | (vertex & (turn > GENTLEST_CORNER) & (turn > 3 * sides))
-    # one edge between straight sides: a side cut off, as no arc of one edge is known
+    # one edge between straight sides: a side cut off, as no arc of one edge is known; where one of the straight sides
+    # has one edge, too, an arc that ran into the other would turn by half as much there
     for k in (-1, 1):
-        apart = np.maximum(neighbour(turn, -k), neighbour(turn, 2 * k))
-        pair = np.minimum(turn, neighbour(turn, k)) > GENTLEST_CORNER
-        corner |= vertex & pair & (apart < STRAIGHT)
+        other = neighbour(turn, k)
+        beyond = np.stack([neighbour(turn, -k), neighbour(turn, 2 * k)])
+        at_sharp = np.stack([neighbour(along, -k), neighbour(along, 2 * k)])
+        alike = (beyond.max(axis=0) < FLAT) | (np.maximum(turn, other) < ALIKE * np.minimum(turn, other))
+        straight = (at_sharp.max(axis=0) < FLAT) & (beyond.min(axis=0) < FLAT)
+        corner |= vertex & (np.minimum(turn, other) > GENTLEST_CORNER) & straight & alike
     # a zigzag, such as the border of a group on a mesh that does not follow it
     bends = np.where(vertex & ~corner & (turn > GENTLEST_CORNER), signed, 0.0)
     corner |= np.any([bends * neighbour(bends, k) < 0.0 for k in (-2, -1, 1, 2)], axis=0)

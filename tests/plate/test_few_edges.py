@@ -83,13 +83,14 @@ def test_irregular_polygons_are_held_by_intervals(seed: int) -> None:
         assert low <= mine[1]
 
 
-def test_a_side_cut_off_is_one_on_every_mesh() -> None:
+@pytest.mark.parametrize("whole", [(2,), (1, 2), (2, 3)], ids=str)
+def test_a_side_cut_off_is_one_on_every_mesh(whole: tuple[int, ...]) -> None:
     """Two corners with one edge between them are no arc when the sides next to it have more edges than it."""
-    turn = np.radians([90.0, 107.0, 124.0])
+    turn = np.radians([90.0, 107.0, 124.0])  # the other corners are sharp
     steps = np.array([1.0, 0.25, 1.0])[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    p = np.concatenate([[[0.0, 0.0], [2.0, 0.0]], [2.0, 0.0] + np.cumsum(steps, axis=0), [[0.0, 2.0]]])
+    p = np.concatenate([[[0.0, 0.0], [2.0, 0.0]], [2.0, 0.0] + np.cumsum(steps, axis=0), [[0.0, 1.0]]])
     after = np.roll(p, -1, axis=0)
-    sides = [[p[k]] if k == 2 else [p[k], 0.5 * (p[k] + after[k])] for k in range(6)]
+    sides = [[p[k]] if k in whole else [p[k], 0.5 * (p[k] + after[k])] for k in range(6)]
     curves = Domain(polygon(np.concatenate(sides)), curved=True).curves
     assert curves.sharpest == 0.0
     assert not curves.curved.any()
