@@ -17,7 +17,10 @@ R     (2, 2) takes components in one frame to those in another
 A triangle that is a piece by itself, such as a facet of a pyramid, would be followed exactly by its own polynomial; it
 is fitted by one of a degree less. That holds for orders of 3 and more (8 pyramids of one triangle a facet, triangular
 plates, plates of two triangles of different thickness); below, nothing tells how stiff such a triangle is, and with
-order 1 nothing tells it of two triangles that have but each other.
+order 1 nothing tells it of two triangles that have but each other. Nor does it of a part one triangle wide, whose
+vertices are all on its border: it bends by turning edges alone, and what loads and warmth do inside, or how far it
+twists, is in no average (of 60 folded shells one triangle wide a third were outside, by up to 1,000 times; of 22 with
+vertices inside all parts two, by up to 1.6). With order 2, 3 of 130 such shells were outside, by up to 40 times.
 
 Source: Zienkiewicz & Zhu, Int. J. Numer. Meth. Eng. 33 (1992) 1331-1364 (patches that reach further in at boundaries).
 """
