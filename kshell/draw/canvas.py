@@ -107,9 +107,14 @@ def edge_lines(mesh: Mesh, edges: NDArray[np.integer]) -> Floats:
 
 def draw_edges(axes: Axes, mesh: Mesh, edges: NDArray[np.integer], **style: Any) -> None:
     """Draw edges of the mesh as lines."""
+    draw_lines(axes, edge_lines(mesh, edges), **style)
+
+
+def draw_lines(axes: Axes, lines: Floats, **style: Any) -> None:
+    """Draw polylines (line, point, 2)."""
     from matplotlib.collections import LineCollection
 
-    axes.add_collection(LineCollection([one_line(edge_lines(mesh, edges))], **style))
+    axes.add_collection(LineCollection([one_line(lines)], **style))
 
 
 def one_line(lines: Floats) -> Floats:

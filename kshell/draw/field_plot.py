@@ -6,26 +6,24 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kshell.draw.canvas import (
     FEW_TRIANGLES,
     bar_axes,
     colour_bar,
     colours,
-    draw_edges,
-    flat_triangles,
+    draw_lines,
     new_figure,
 )
+from kshell.draw.drawn import Drawn
 from kshell.draw.marks import draw_marks, marks
+from kshell.draw.pictures import picture_values
 from kshell.draw.strokes import Strokes
 from kshell.draw.strokes_plot import draw_strokes
 from kshell.result.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Floats = NDArray[np.float64]
 
 
 class FieldFigure:
@@ -44,40 +42,42 @@ class FieldFigure:
         wide = np.ptp(mesh.points[:, 0]) > 1.3 * np.ptp(mesh.points[:, 1])
         self._where: Literal["right", "bottom"] = "bottom" if wide else "right"
         self.figure, self._axes = new_figure(mesh, result.title, self._where)
-        points, triangles = flat_triangles(mesh, result.rows)
-        self._triangulation = Triangulation(points[:, 0], points[:, 1], triangles)
-        zero = np.zeros(len(points))
+        self.drawn = Drawn(result)
+        places = self.drawn.rest[:, :2]
+        self._triangulation = Triangulation(places[:, 0], places[:, 1], self.drawn.triangles)
+        zero = np.zeros(len(places))
         self._image = self._axes.tripcolor(
             self._triangulation, zero, shading="gouraud", rasterized=True, zorder=0
         )
         self._lines: Any = None
         self._bar: Any = None
         self._marks: list[Any] = []
-        self._rows, self._nodes = result.rows, points[:, :2]
+        self._rows, self._nodes = result.rows, result.rows.nodes[:, :2]
         if len(mesh.triangles) <= FEW_TRIANGLES:
-            every = np.arange(len(mesh.edges))
-            draw_edges(self._axes, mesh, every, colors="black", linewidths=0.2, alpha=0.25)
-        draw_edges(self._axes, mesh, mesh.boundary_edges, colors="black", linewidths=0.9)
+            draw_lines(self._axes, places[self.drawn.lines], colors="black", linewidths=0.2, alpha=0.25)
+        outline = places[self.drawn.lines[mesh.boundary_edges]]
+        draw_lines(self._axes, outline, colors="black", linewidths=0.9)
         self._axes.autoscale_view()
 
-    def show(self, values: Floats, label: str, strokes: Sequence[Strokes] = ()) -> Figure:
+    def show(self, what: str, strokes: Sequence[Strokes] = ()) -> Figure:
         """The figure with a field, and lines over it.
 
         Parameters
         ----------
-        values : (node,)
-            At the nodes of the rows of the fields.
-        label : str
+        what : str
+            Name of the picture.
         strokes : sequence of Strokes
         """
-        low, high = float(values.min()), float(values.max())
+        marked, label = picture_values(self.drawn.result, what)
+        values = self.drawn.values(what)
+        low, high = float(marked.min()), float(marked.max())
         style = colours(low, high)
         self._image.set_array(values)
         self._image.set_cmap(style["cmap"])
         self._image.set_clim(style["vmin"], style["vmax"])
         for drawn in self._marks:
             drawn.remove()
-        self._marks = draw_marks(self._axes, marks(values, self._rows), self._nodes)
+        self._marks = draw_marks(self._axes, marks(marked, self._rows), self._nodes)
         self._marks += [draw_strokes(self._axes, each, 0.9, halo=True) for each in strokes]
         if self._lines is not None:
             self._lines.remove()

@@ -10,19 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.elements.lattice import lattice
+
 Floats = NDArray[np.float64]
 
 PIXELS = 220  # of the picture of depths, each way
 FINE = 0.6  # pixels between samples of a face
 PIECE = 1.5  # pixels of a piece of a line
 DEEPER = 0.012  # of the range of depths: what is no deeper than that lies on the surface
-
-
-def _lattice(steps: int) -> Floats:
-    """(point, corner) weights of points of a triangle with so many steps along each side."""
-    i, j = np.meshgrid(np.arange(steps + 1), np.arange(steps + 1), indexing="ij")
-    inside = i + j <= steps
-    return np.stack([steps - i - j, i, j], axis=-1)[inside] / steps
 
 
 class Depths:
@@ -46,7 +41,7 @@ class Depths:
         # few different numbers of samples, each for all faces that need no more
         steps = 2 ** np.ceil(np.log2(np.maximum(sides / FINE, 1.0))).astype(int)
         for step in np.unique(steps).tolist():
-            points = (_lattice(step) @ x[steps == step]).reshape(-1, 3)
+            points = (lattice(step) @ x[steps == step]).reshape(-1, 3)
             i, j = self._pixel(points)
             np.minimum.at(self._buffer, (i, j), points[:, 2])
         near = [self._buffer[a : a + PIXELS, b : b + PIXELS] for a in range(3) for b in range(3)]

@@ -131,14 +131,23 @@ def principal_label(result: Result, what: str) -> str:
     return f"{label}, from {low:.4g} to {high:.4g}"
 
 
+def picture_field(result: Result, what: str) -> tuple[str, int, str]:
+    """The field that a picture shows, its column, and words for it."""
+    return {**(SHELL_FIELDS if result.model.get("kind") == "shell" else FIELDS), **COMPONENTS}[what]
+
+
 def picture_values(result: Result, what: str) -> tuple[Floats, str]:
     """Values at the nodes of the rows of fields, and words for the colour bar."""
-    table = {**(SHELL_FIELDS if result.model.get("kind") == "shell" else FIELDS), **COMPONENTS}
-    name, column, label = table[what]
+    name, column, label = picture_field(result, what)
     if name not in result.fields:
         raise InputError(f'no picture "{what}": the result has no field "{name}"')
     values = result.fields[name].reshape(len(result.points), -1)
     values = at_nodes(result.rows, name, values, result.fields, result.edge_fields)
     if result.analysis not in MODAL:  # shapes have no size
         label = labelled(label, result.units, *POWERS[name])
-    return (np.linalg.norm(values, axis=1) if column == SIZE else values[:, column]), label
+    return column_of(values, column), label
+
+
+def column_of(values: Floats, column: int) -> Floats:
+    """One column of values (..., k), or the length of vectors."""
+    return np.asarray(np.linalg.norm(values, axis=-1) if column == SIZE else values[..., column])

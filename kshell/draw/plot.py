@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.draw.drawn import Drawn
 from kshell.draw.field_plot import FieldFigure
 from kshell.draw.history_plot import film_figure, history_figure
 from kshell.draw.levels_plot import error_figure, levels_figure
@@ -18,7 +19,6 @@ from kshell.draw.path_plot import path_figure
 from kshell.draw.pictures import (
     MODAL,
     PRINCIPAL,
-    picture_values,
     pictures,
     principal_label,
     usual_pictures,
@@ -76,16 +76,14 @@ def plot(result: Result, what: str = "deflection", fields: Callable[[], FieldFig
     if what == "mesh":
         return (plot_scene if flat else plot_surface_scene)(result.mesh, result.scene, result.title)
     scale = 0.0 if flat else drawn_scale(result)
-    strokes = strokes_of(result, what, scale)
-    if what in PRINCIPAL:
-        label = principal_label(result, what)
-        return (
-            crosses_figure(result, label, strokes) if flat else surface_figure(result, None, label, strokes)
-        )
-    values, label = picture_values(result, what)
+    if flat and what not in PRINCIPAL:
+        figure = FieldFigure(result) if fields is None else fields()
+        return figure.show(what, strokes_of(figure.drawn, what, scale))
+    drawn = Drawn(result)
+    strokes = strokes_of(drawn, what, scale)
     if flat:
-        return (FieldFigure(result) if fields is None else fields()).show(values, label, strokes)
-    return surface_figure(result, values, label, strokes)
+        return crosses_figure(drawn, principal_label(result, what), strokes)
+    return surface_figure(drawn, what, strokes)
 
 
 def save_picture(

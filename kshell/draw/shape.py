@@ -11,7 +11,6 @@ from kshell.result.vtu import at_nodes
 
 if TYPE_CHECKING:
     from kshell.result.result import Result
-    from kshell.result.rows import Rows
 
 Floats = NDArray[np.float64]
 
@@ -39,13 +38,3 @@ def deformed_nodes(result: Result, scale: float) -> tuple[Floats, Floats]:
         result.rows, "displacement", result.fields["displacement"], result.fields, result.edge_fields
     )
     return rest, rest + scale * u
-
-
-def nodes_of_mesh(rows: Rows, values: Floats) -> Floats:
-    """Values at the vertices of the mesh, then at its mid-edge nodes, of those at the nodes of rows."""
-    mesh, count = rows.mesh, len(rows.vertex)
-    if mesh.midpoints is None:
-        return values[: len(mesh.points)]
-    first = np.zeros(len(mesh.edges), dtype=np.int64)
-    first[rows.middle_edge] = count + np.arange(len(rows.middle_edge))
-    return np.concatenate([values[: len(mesh.points)], values[first]])

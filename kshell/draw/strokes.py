@@ -12,19 +12,15 @@ t_1 >= t_2 its principal values, along d_1 = cos(a) e_1 + sin(a) e_2 and d_2 = n
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.draw.canvas import flat_triangles
+from kshell.draw.drawn import Drawn
 from kshell.draw.pictures import PRINCIPAL
-from kshell.draw.shape import deformed_nodes
 from kshell.draw.space import cut_in_four
 from kshell.material.tensors import principal, principal_angle
-
-if TYPE_CHECKING:
-    from kshell.result.result import Result
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -96,11 +92,12 @@ class Strokes(NamedTuple):
     longest: str
 
 
-def strokes_of(result: Result, what: str, scale: float) -> list[Strokes]:
+def strokes_of(drawn: Drawn, what: str, scale: float) -> list[Strokes]:
     """What is drawn over a picture: crosses, arrows, or nothing.
 
     Parameters
     ----------
+    drawn : Drawn
     what : str
         Name of a picture.
     scale : float
@@ -108,8 +105,8 @@ def strokes_of(result: Result, what: str, scale: float) -> list[Strokes]:
     """
     if what != "shear" and what not in PRINCIPAL:
         return []
-    places = spread(result, scale)
-    return strokes_at(places, result.at(places.rest), what)
+    places = spread(drawn, scale)
+    return strokes_at(places, drawn.result.at(places.rest), what)
 
 
 def strokes_at(places: Places, values: dict[str, Floats], what: str) -> list[Strokes]:
@@ -191,10 +188,9 @@ def frame_at(values: dict[str, Floats]) -> tuple[Floats, Floats, Floats]:
     return first, np.cross(normal, first), normal
 
 
-def spread(result: Result, scale: float) -> Places:
+def spread(points: Drawn, scale: float) -> Places:
     """Places spread evenly over the surface, inside triangles."""
-    rest, drawn = deformed_nodes(result, scale)
-    triangles = flat_triangles(result.mesh, result.rows)[1]
+    rest, drawn, triangles = points.rest, points.deformed(scale), points.triangles
     corners = np.concatenate([rest[triangles], drawn[triangles]], axis=2)  # (triangle, corner, 6)
     while len(corners) < CANDIDATES:
         corners = cut_in_four(corners)

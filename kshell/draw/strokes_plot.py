@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from kshell.draw.canvas import FEW_TRIANGLES, add_below, draw_edges, flat_triangles, new_figure, one_line
+from kshell.draw.canvas import FEW_TRIANGLES, add_below, draw_lines, new_figure, one_line
+from kshell.draw.drawn import Drawn
 from kshell.draw.strokes import Strokes
-from kshell.result.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,18 +17,18 @@ WIDTH = 1.5
 BELOW = 0.5  # inches for words
 
 
-def crosses_figure(result: Result, label: str, strokes: Sequence[Strokes]) -> Figure:
+def crosses_figure(drawn: Drawn, label: str, strokes: Sequence[Strokes]) -> Figure:
     """Strokes over a flat mesh, with what their colours mean below."""
     from matplotlib.collections import PolyCollection
 
-    mesh = result.mesh
-    figure, axes = new_figure(mesh, result.title)
-    points, triangles = flat_triangles(mesh, result.rows)
-    faces = PolyCollection(points[triangles][:, :, :2], facecolor=GREY, edgecolor=GREY, rasterized=True)
+    mesh = drawn.result.mesh
+    figure, axes = new_figure(mesh, drawn.result.title)
+    places = drawn.rest[:, :2]
+    faces = PolyCollection(places[drawn.triangles], facecolor=GREY, edgecolor=GREY, rasterized=True)
     axes.add_collection(faces)
     if len(mesh.triangles) <= FEW_TRIANGLES:
-        draw_edges(axes, mesh, np.arange(len(mesh.edges)), colors="black", linewidths=0.2, alpha=0.2)
-    draw_edges(axes, mesh, mesh.boundary_edges, colors="black", linewidths=0.9)
+        draw_lines(axes, places[drawn.lines], colors="black", linewidths=0.2, alpha=0.2)
+    draw_lines(axes, places[drawn.lines[mesh.boundary_edges]], colors="black", linewidths=0.9)
     axes.autoscale_view()
     for each in strokes:
         draw_strokes(axes, each, WIDTH)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import FEW_TRIANGLES, colours, flat_triangles
+from kshell.draw.drawn import Drawn
 from kshell.draw.marks import USUAL, Mark, marks, seeing, towards
 from kshell.draw.pictures import PRINCIPAL, picture_values, pictures, principal_label
 from kshell.draw.shape import deformed_nodes, drawn_scale
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 RAISED = 0.004  # of the size: strokes above the surface on both sides, which hides what lies in it
+NEARER = -40.0  # smallest steps of depth by which edges are drawn in front of the surface
 MARGIN = 0.04  # of the height of the picture
 LETTER = 0.0075  # of the width of the picture
 ABOVE = 0.16  # of half the height of the picture, by which the surface stands above its middle
@@ -47,11 +49,12 @@ def pyvista() -> Any:
     return module
 
 
-def surface_grid(result: Result, scale: float) -> Any:
-    """A pyvista.UnstructuredGrid of the deformed surface, with curved triangles where the mesh has them."""
-    _, nodes = deformed_nodes(result, scale)
-    cells = result.rows.cells
-    kind = TRIANGLE if result.mesh.midpoints is None else QUADRATIC_TRIANGLE
+def surface_grid(drawn: Drawn, scale: float) -> Any:
+    """A pyvista.UnstructuredGrid of the deformed surface; triangles that are not divided are curved as the mesh's."""
+    nodes, cells = drawn.deformed(scale), drawn.triangles
+    if drawn.parts == 1:
+        cells = drawn.result.rows.cells
+    kind = TRIANGLE if cells.shape[1] == 3 else QUADRATIC_TRIANGLE
     count = cells.shape[1]
     listed = np.concatenate([np.full((len(cells), 1), count), cells], axis=1).ravel()
     return pyvista().UnstructuredGrid(listed, np.full(len(cells), kind, dtype=np.uint8), nodes)
@@ -81,26 +84,30 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
     if scale is None:
         scale = drawn_scale(result)
     module = pyvista()
-    grid = surface_grid(result, scale)
-    strokes = strokes_of(result, what, scale)
+    drawn = Drawn(result)
+    grid = surface_grid(drawn, scale)
+    strokes = strokes_of(drawn, what, scale)
     found: list[Mark] = []
     plotter = module.Plotter(off_screen=off_screen, window_size=(1200, 900))
     style: dict[str, Any] = {"color": "#e4e6e9"}
     if what not in PRINCIPAL:
         values, label = picture_values(result, what)
-        grid.point_data[label] = values
+        grid.point_data[label] = drawn.values(what)
         found = marks(values, result.rows)
         style = _coloured(values, label)
     surface = grid.extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
     plotter.add_mesh(
         surface,
         smooth_shading=True,
-        show_edges=result.mesh.midpoints is None and len(result.mesh.triangles) <= FEW_TRIANGLES,
-        edge_opacity=0.25,
         ambient=0.5,
         diffuse=0.5,  # with ambient light: no brighter than the colours of the bar, or pale ones would turn white
         **style,
     )
+    if len(result.mesh.triangles) <= FEW_TRIANGLES:
+        edges = _polylines(drawn.deformed(scale)[drawn.lines])
+        lines = plotter.add_mesh(edges, color="black", opacity=0.25, line_width=1)
+        lines.mapper.resolve = "polygon_offset"  # in front of the surface that they lie in
+        lines.mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, NEARER)
     for each in strokes:
         if len(each.lines):
             raised = RAISED * result.mesh.size
@@ -112,7 +119,7 @@ def view_of(result: Result, what: str, scale: float | None, off_screen: bool) ->
     outline = surface.extract_feature_edges(manifold_edges=False, feature_angle=30.0)
     if outline.n_points:
         plotter.add_mesh(outline, color="black", line_width=2)
-    rest = surface_grid(result, 0.0).extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
+    rest = surface_grid(drawn, 0.0).extract_surface(nonlinear_subdivision=2, algorithm="dataset_surface")
     plotter.add_mesh(rest.extract_feature_edges(manifold_edges=False), color="grey", line_width=1)
     plotter.add_text(f"{result.title}\ndisplacements {scale:g} times as large", font_size=10)
     nodes = deformed_nodes(result, scale)[1]
@@ -168,8 +175,14 @@ def _lines(strokes: Strokes, raised: float) -> Any:
     """A pyvista.PolyData of strokes on both sides of the surface."""
     up = raised * strokes.normals[:, None]
     lines = np.concatenate([strokes.lines + up, strokes.lines - up])
-    number = np.arange(2 * len(lines)).reshape(-1, 2)
-    cells = np.concatenate([np.full((len(lines), 1), 2), number], axis=1).ravel()
+    return _polylines(lines)
+
+
+def _polylines(lines: Floats) -> Any:
+    """A pyvista.PolyData of polylines (line, point, 3)."""
+    count = lines.shape[1]
+    number = np.arange(lines.shape[0] * count).reshape(-1, count)
+    cells = np.concatenate([np.full((len(lines), 1), count), number], axis=1).ravel()
     return pyvista().PolyData(lines.reshape(-1, 3), lines=cells)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,11 @@ from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.reactions import ReactionFinder
 from kshell.plate.recovery import Fields
+from kshell.plate.sampled import sampled
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
+from kshell.result.sampled import Sampled
 from kshell.solvers import Solution
 
 Floats = NDArray[np.float64]
@@ -112,6 +115,7 @@ def _recovered(
         energies=parts,
         external_work=work,
         evaluate=fields.all_at,
+        sampled=Sampled(partial(sampled, fields)),
         error=no_error_estimate(),
         warnings=warnings + probed.warnings,
     )

@@ -20,7 +20,7 @@ from kshell.elements.reference import VERTICES
 from kshell.mesh.distinct import distinct
 from kshell.mesh.mesh import EDGE_VERTICES, Mesh
 from kshell.plate.curves import EdgeCurves, joined_curves
-from kshell.plate.region import motion, region_points
+from kshell.plate.region import bulge, motion, region_points
 from kshell.plate.rims import edge_curves
 
 Floats = NDArray[np.float64]
@@ -270,6 +270,15 @@ class Domain:
     def edge_motion(self, edges: Ints, s: Floats) -> tuple[Floats, Floats, Floats]:
         """Places, first and second derivatives (n, point, 2) of edges by s, 0 to 1 from lower to higher vertex."""
         return motion(self.mesh, self.curves, edges, s)
+
+    def places(self, triangles: Ints, xi: Floats) -> Floats:
+        """Points (n, point, 2) at reference points (point, 2), of triangles with curved edges mapped to these."""
+        affine = self.affine(triangles)
+        xy = affine.corners[:, None, 0] + xi @ np.swapaxes(affine.jacobian, 1, 2)
+        here = np.flatnonzero(self.is_curved[triangles])
+        if len(here):
+            xy[here] += bulge(self.mesh, self.curves, triangles[here], xi)[0]
+        return np.asarray(xy)
 
     @staticmethod
     def _on_chord(local: Ints, sense: Floats, s: Floats) -> Floats:

@@ -284,7 +284,7 @@ class Fields:
         """The same at located points."""
         w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
         gradient = self.derivatives(found.triangles, found.xi, 1)[:, 0]
-        moment, shear = self._forces(found)
+        moment, shear = self.forces(found)
         zero = np.zeros_like(w)
         stresses = {}
         if self.section.has_stress:
@@ -301,7 +301,8 @@ class Fields:
             "distance": found.distance,
         }
 
-    def _forces(self, found: Located) -> tuple[Floats, Floats]:
+    def forces(self, found: Located) -> tuple[Floats, Floats]:
+        """Moments (n, 3) and shear forces (n, 2) at located points."""
         if self.polynomial_moments:
             forces = [
                 f(found.triangles, found.xi, found.xy[:, None])[:, 0] for f in (self.moment, self.shear)

@@ -105,7 +105,7 @@ def _bulged(mesh: Mesh, curves: EdgeCurves, block: Ints, degree: int) -> tuple[F
     """Places and weights by the curved map, for triangles with more than one curved edge."""
     xi, w = triangle_rule(degree + JACOBIAN)
     affine = AffineTriangles.of_arrays(np.ascontiguousarray(mesh.points[:, :2]), mesh.triangles[block])
-    shift, gradient = _bulge(mesh, curves, block, xi)
+    shift, gradient = bulge(mesh, curves, block, xi)
     xy = affine.corners[:, None, 0] + xi @ np.swapaxes(affine.jacobian, 1, 2) + shift
     j = affine.jacobian[:, None] + gradient
     area = j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0]
@@ -119,7 +119,7 @@ def _bulged(mesh: Mesh, curves: EdgeCurves, block: Ints, degree: int) -> tuple[F
     return xy, area * w
 
 
-def _bulge(mesh: Mesh, curves: EdgeCurves, block: Ints, xi: Floats) -> tuple[Floats, Floats]:
+def bulge(mesh: Mesh, curves: EdgeCurves, block: Ints, xi: Floats) -> tuple[Floats, Floats]:
     """Displacement (n, point, 2) of the curved map and its gradient (n, point, 2, d / d xi)."""
     barycentric = np.stack([1 - xi[:, 0] - xi[:, 1], xi[:, 0], xi[:, 1]], axis=1)  # (point, vertex)
     shift = np.zeros((len(block), len(xi), 2))

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.draw.canvas import flat_triangles
+from kshell.draw.drawn import Drawn
 from kshell.draw.pictures import MODAL, pictures
 from kshell.draw.strokes import spread, strokes_at
 from kshell.result.result import Result
@@ -151,7 +152,7 @@ def _states(result: Result, count: int) -> tuple[list[dict[str, Any]], list[str]
 
 def _strokes(result: Result) -> list[dict[str, Any]]:
     """Crosses and arrows at rest, and how their places move."""
-    places = spread(result, 1.0)
+    places = spread(Drawn(result, divided=False), 1.0)  # on the surface of the view
     moved = places.drawn - places.rest
     places = places._replace(drawn=places.rest, stretch=np.broadcast_to(np.eye(3), (len(moved), 3, 3)))
     values, out = result.at(places.rest), []

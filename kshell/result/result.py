@@ -25,6 +25,7 @@ from kshell.result.extremes import find_extremes
 from kshell.result.kept import Kept
 from kshell.result.page import page
 from kshell.result.rows import Rows
+from kshell.result.sampled import Sampled
 
 if TYPE_CHECKING:
     from kshell.mesh.mesh import Mesh
@@ -105,6 +106,8 @@ class Result(Asked, Kept):
         Per entry of `path`, or state kept of a motion, a function that gives its Result.
     evaluate : callable, optional
         Points (n, 3) to a dict of arrays: values anywhere on the surface.
+    sampled : Sampled, optional
+        Values of the elements at points inside all triangles, for pictures.
     error : dict
         estimate, kind and budget.
     solver : dict
@@ -154,6 +157,7 @@ class Result(Asked, Kept):
     history: dict[str, Any] = field(default_factory=dict)
     series: list[tuple[float, Callable[[], Result]]] = field(default_factory=list)
     evaluate: Callable[[Floats], dict[str, Floats]] | None = None
+    sampled: Sampled | None = None
     error: dict[str, Any] = field(default_factory=no_error_estimate)
     solver: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)

@@ -12,6 +12,7 @@ from kshell.equilibrium.problem import State
 from kshell.result.deferred import Deferred
 from kshell.result.probing import Probed, probe_values
 from kshell.result.result import Result, no_error_estimate
+from kshell.result.sampled import Sampled
 from kshell.shell.fields import ShellFields
 from kshell.shell.group_reactions import find_reactions
 from kshell.shell.problem import ShellProblem
@@ -168,6 +169,7 @@ def _answer(
         energies=energies,
         external_work=_work(problem, solution),
         evaluate=fields.at,
+        sampled=Sampled(fields.sampled),
         error=error,
         warnings=warnings + probed.warnings,
     )

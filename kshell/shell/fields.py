@@ -7,7 +7,7 @@ where x is normal).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -134,6 +134,35 @@ class ShellFields:
                     for name, value in self._shown(beside).items():
                         out[name][k] = value
         return {**out, "distance": np.linalg.norm(out["x"] - points, axis=1)}
+
+    def sampled(self, xi: Floats) -> Deferred[Floats]:
+        """Fields (triangle, point, k) at reference points (point, 2), as in `kshell.result.sampled`."""
+        every = np.arange(len(self.mesh.triangles))
+
+        @cache
+        def forces() -> tuple[Resultants, dict[str, Floats]]:
+            return self._recovered.tensors(xi, every)
+
+        def tensor(name: str) -> Floats:
+            return forces()[1][name]
+
+        def shear() -> Floats:
+            return np.einsum("tpax,tpx->tpa", forces()[0].axes[:, :, :2], self._recovered.shear(xi, every))
+
+        faces = FACES if self._recovered.section.has_stress else ()
+        tensors = (
+            "moment",
+            "membrane_force",
+            "membrane_stress_resultant",
+            *(f"stress_{face}" for face in faces),
+        )
+        makers: dict[str, Callable[[], Floats]] = {
+            "position": lambda: forces()[0].position,
+            "displacement": lambda: self._recovered.displacement(xi, every)[0],
+            **{name: partial(tensor, name) for name in tensors},
+            "shear": shear,
+        }
+        return Deferred(makers)
 
     def motion(self, points: Floats) -> Floats:
         """(n, 3) the displacement u of `at` alone."""

@@ -70,10 +70,11 @@ def test_material_axes_follow_a_direction_on_the_surface():
 
 
 def test_view_has_curved_triangles():
+    from kshell.draw.drawn import Drawn
     from kshell.draw.view import surface_grid
 
     result = ks.solve(ks.Scene.load(MESHES / "scordelis_lo.toml"))
-    grid = surface_grid(result, 10.0)
+    grid = surface_grid(Drawn(dataclasses.replace(result, sampled=None)), 10.0)
     assert grid.n_cells == len(result.mesh.triangles)
     assert set(grid.celltypes) == {22}  # quadratic triangles
     assert grid.area == pytest.approx(25 * np.radians(40) * 25, rel=0.05)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.draw.drawn import Drawn
 from kshell.draw.pictures import pictures, usual_pictures
 from kshell.draw.plot import save_picture
 from kshell.draw.shape import drawn_scale
@@ -42,7 +43,7 @@ def twisted(element):
 def test_a_twisted_plate_has_directions_at_45_degrees(element):
     """w = - x y F / (2 D (1 - nu)), M_xy = F / 2 > 0: pulled at the top along x + y (Timoshenko 11)."""
     result = twisted(element)
-    x = spread(result, 0.0).rest
+    x = spread(Drawn(result), 0.0).rest
     found = principal_of(result.at(x), "principal_moments")
     assert found.values == pytest.approx(np.tile([1.0, -1.0], (len(x), 1)), rel=1e-6)
     angle = np.degrees(np.arctan2(found.directions[..., 1], found.directions[..., 0])) % 180.0
@@ -64,7 +65,7 @@ def disk(request):
 def test_a_clamped_disk_has_radial_and_tangential_directions(disk):
     """M_r = p (R^2 (1 + nu) - r^2 (3 + nu)) / 16, M_t = p (R^2 (1 + nu) - r^2 (1 + 3 nu)) / 16 (Timoshenko 16)."""
     exactly = disk.model["element"] == "argyris"
-    x = spread(disk, 0.0).rest
+    x = spread(Drawn(disk), 0.0).rest
     r = np.linalg.norm(x[:, :2], axis=1)
     found = principal_of(disk.at(x), "principal_moments")
     exact = np.stack([1.3 - 1.9 * r**2, 1.3 - 3.3 * r**2], axis=1)  # tangential, radial; the top is pulled
@@ -77,7 +78,7 @@ def test_a_clamped_disk_has_radial_and_tangential_directions(disk):
 
 def test_shear_flows_to_the_rim_of_a_disk(disk):
     """Q_r = - p r / 2 with the signs of Q = div M for a pressure along z."""
-    (arrows,) = strokes_of(disk, "shear", 0.0)
+    (arrows,) = strokes_of(Drawn(disk), "shear", 0.0)
     count = len(arrows.lines) // 3
     start, end = arrows.lines[:count, 0], arrows.lines[:count, 1]
     middle, along = 0.5 * (start + end), end - start
@@ -122,7 +123,7 @@ def cylinder(kind):
 def test_a_cylinder_under_pressure_is_pulled_around(kind):
     """N = p R around and 0 along."""
     result = cylinder(kind)
-    x = spread(result, 0.0).rest
+    x = spread(Drawn(result), 0.0).rest
     found = principal_of(result.at(x), "principal_forces")
     assert found.values == pytest.approx(np.tile([6.0, 0.0], (len(x), 1)), abs=0.02)
     around = np.stack([-x[:, 1], x[:, 0], 0 * x[:, 0]], axis=1) / np.linalg.norm(x[:, :2], axis=1)[:, None]
@@ -151,7 +152,7 @@ def profile():
 
 
 def test_a_folded_profile_is_pulled_along_its_fold_in_both_planes(profile):
-    x = spread(profile, 0.0).rest
+    x = spread(Drawn(profile), 0.0).rest
     found = principal_of(profile.at(x), "principal_forces")
     assert found.values == pytest.approx(np.tile([5.0, 0.0], (len(x), 1)), abs=1e-6)
     assert np.abs(found.directions[:, 0] @ TURN[:, 0]).min() > 1 - 1e-9
@@ -161,9 +162,9 @@ def test_a_folded_profile_is_pulled_along_its_fold_in_both_planes(profile):
 
 def test_colours_tell_the_sign_and_lengths_the_size_of_every_case(profile):
     pulled, pushed = (
-        strokes_of(profile.cases[name], "principal_forces", 0.0) for name in ("pulled", "pushed")
+        strokes_of(Drawn(profile.cases[name]), "principal_forces", 0.0) for name in ("pulled", "pushed")
     )
-    apart = spread(profile, 0.0).apart
+    apart = spread(Drawn(profile), 0.0).apart
     assert [each.colour for each in pulled] == [POSITIVE]
     assert [each.colour for each in pushed] == [NEGATIVE]
     assert [each.words for each in (*pulled, *pushed)] == ["tension", "compression"]
@@ -177,16 +178,16 @@ def test_strokes_lie_in_the_deformed_triangles(profile):
     bent = profile.cases["bent"]
     scale = drawn_scale(bent)
     assert scale > 0.0
-    places = spread(bent, scale)
+    places = spread(Drawn(bent), scale)
     assert np.linalg.norm(places.drawn - places.rest, axis=1).max() > 0.02 * bent.mesh.size
-    for each in strokes_of(bent, "principal_moments", scale):
+    for each in strokes_of(Drawn(bent), "principal_moments", scale):
         along = each.lines[:, 1] - each.lines[:, 0]
         assert np.abs(np.sum(along * each.normals, axis=1)).max() < 1e-9 * np.abs(along).max()
 
 
 def test_places_are_spread_evenly(profile):
     for result in (profile, twisted("argyris")):
-        places = spread(result, 0.0)
+        places = spread(Drawn(result), 0.0)
         gaps = np.linalg.norm(places.rest[:, None] - places.rest, axis=2) + 1e9 * np.eye(len(places.rest))
         assert gaps.min() > 0.6 * places.apart
         assert gaps.min(axis=1).max() < 2.0 * places.apart  # none is alone
@@ -226,7 +227,7 @@ def test_what_stands_below_a_picture(profile):
 def test_a_result_from_files_has_the_same_crosses(profile, tmp_path):
     profile.save(tmp_path)
     again = ks.Result.load(tmp_path)
-    x = spread(profile, 0.0).rest
+    x = spread(Drawn(profile), 0.0).rest
     one, other = (principal_of(result.at(x), "principal_forces") for result in (profile, again))
     assert other.values == pytest.approx(one.values, abs=1e-6)
     assert np.abs(np.sum(one.directions * other.directions, axis=2)).min() > 1 - 1e-6

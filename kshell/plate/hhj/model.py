@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -24,9 +25,11 @@ from kshell.plate.hhj.system import HHJSolution, HHJSystem
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.rims import edge_curves
+from kshell.plate.sampled import sampled
 from kshell.result.deferred import Deferred
 from kshell.result.probing import probe_values
 from kshell.result.result import Result, no_error_estimate
+from kshell.result.sampled import Sampled
 from kshell.scene.loads import Load
 from kshell.scene.placed import Placed
 from kshell.scene.structure import Structure
@@ -190,6 +193,7 @@ class HHJModel(Model):
             energies=energies,
             external_work=0.5 * (found.work + work_of_supports(system, found)),
             evaluate=fields.all_at,
+            sampled=Sampled(partial(sampled, fields)),
             error=error,
             warnings=warnings + probed.warnings,
         )
