@@ -23,6 +23,7 @@ from kshell.elements.quadrature import triangle_rule
 from kshell.elements.reference import VERTICES
 from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interval
+from kshell.error.chords import share_of_chords
 from kshell.error.corner_fits import SINGLE, CornerFits
 from kshell.error.curve_doubt import turns
 from kshell.error.estimate import Estimate
@@ -53,7 +54,6 @@ FEW = (
 )
 PAIRS = ((0, 1), (1, 2), (0, 2))  # of vertices
 SAME = 1e-9  # relative difference of stiffnesses that is none
-CHORDS = 0.5  # of the square of the angle an edge turns by: deflections of a disk on a polygon
 
 
 def assess_averages(
@@ -251,8 +251,7 @@ def _chords(problem: PlateProblem) -> float:
     curves = Domain(problem.mesh, True).boundary
     if not curves.curved.any():
         return 0.0
-    length = problem.mesh.edge_lengths[curves.edges]
-    return float(CHORDS * (turns(curves) ** 2 * length).sum() / length.sum())
+    return share_of_chords(turns(curves), problem.mesh.edge_lengths[curves.edges])
 
 
 def at_chords(problem: PlateProblem, share: float) -> Ints:

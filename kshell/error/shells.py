@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from kshell.equilibrium.problem import State
 from kshell.error.assessment import ENERGY, Assessment, Interval
 from kshell.error.averages import Averages
+from kshell.error.chords import TOLD, share_of_flat_parts, words
 from kshell.error.estimate import Estimate
 from kshell.error.geometry_share import (
     curvature_of_triangles,
@@ -148,7 +149,10 @@ def _assess(
             out.shapes[name] = float(out.shape_marks[name].sum())
         out.probes[name] = Interval(value, width, width / (2.0 * safety), "estimated")
         out.marks[name], out.parts[name] = mark, safety * mark
-    out.geometry = weighted(shares, stored)
+    borders = share_at_borders(model)
+    if borders > TOLD:
+        result.warnings.append(words(borders))
+    out.geometry = weighted(shares, stored) + borders
     out.size = abs(float(result.extremes["deflection"]["value"]))
     return out
 
@@ -156,7 +160,15 @@ def _assess(
 def geometry_share(model: KoiterModel, strain: Floats) -> float:
     """Relative error because of the shape of the triangles; strains (triangle, 2 r) tell where the energy is."""
     membrane, bending = energies(model.problem.energy, strain)
-    return weighted(_shares(model, membrane, bending), membrane + bending)
+    return weighted(_shares(model, membrane, bending), membrane + bending) + share_at_borders(model)
+
+
+def share_at_borders(model: KoiterModel) -> float:
+    """The same because curved borders of flat parts are chords."""
+    if "borders" not in model.estimates:  # as the mesh, the same under all loads
+        pieces = model.problem.discretisation.patches()[0]
+        model.estimates["borders"] = share_of_flat_parts(model.problem.space, pieces)
+    return float(model.estimates["borders"])
 
 
 def share_when_cut(model: KoiterModel, strain: Floats) -> float:
@@ -164,9 +176,10 @@ def share_when_cut(model: KoiterModel, strain: Floats) -> float:
     membrane, bending = energies(model.problem.energy, strain)
     mesh = model.problem.space
     if mesh.midpoints is None:
-        return weighted(_shares(model, membrane, bending), membrane + bending)
+        return geometry_share(model, strain)
     stretched = membrane / np.maximum(membrane + bending, 1e-300)
-    return weighted(share_of_cut_quadratics(turn_of_triangles(mesh), stretched), membrane + bending)
+    cut = weighted(share_of_cut_quadratics(turn_of_triangles(mesh), stretched), membrane + bending)
+    return cut + share_at_borders(model)
 
 
 def shape_marks(model: KoiterModel, strain: Floats) -> Floats:

@@ -221,7 +221,7 @@ def test_loads_from_tables(tmp_path):
         '[[load]]\nkind = "pressure"\nvalue = "1000*table(\'gust.csv\')"\n'
     )
     scene = ks.Scene.load(tmp_path / "s.toml")
-    assert at_time(scene.loads[0].value, 0.25 * PERIOD) == f"1000 * {0.75 * PERIOD}"
+    assert at_time(scene.loads[0].value, 0.25 * PERIOD) == pytest.approx(1000 * 0.75 * PERIOD)
     assert scene.initial_displacement.value == (0, 0, "0.01*x")
     assert scene.initial_velocity is None
     for content, words in (
@@ -359,7 +359,7 @@ def test_formulas_with_time():
     assert depends_on_time((0.0, 0.0, "t"))
     assert not depends_on_time("tan(x) + atan(y)")
     assert at_time((1.0, "x*t"), 2.0) == (1.0, "x * 2.0")
-    assert at_time("t", -0.5) == "-0.5"
+    assert at_time("t", -0.5) == -0.5
 
 
 def test_long_steps_of_cloth_that_buckles():

@@ -32,7 +32,7 @@ def model(scene: ks.Scene, tolerance: float, **options: object) -> tuple[str, in
 
 @pytest.mark.parametrize(("tolerance", "order"), [(1e-3, 5), (1e-6, 6), (1e-9, 8)])
 def test_curved_edges_are_of_hhj_elements_whose_order_is_that_of_the_tolerance(tolerance, order):
-    scene = clamped(egg(3), EGG_LOAD, centre=(0.0, 0.0, 0.0))
+    scene = clamped(egg(6), EGG_LOAD, centre=(0.0, 0.0, 0.0))
     scene = scene if tolerance > 1e-5 else clamped(disk(2), "exp(x)*cos(3*y)", centre=(0.0, 0.0, 0.0))
     element, found, why = model(scene, tolerance)
     assert (element, found) == ("hhj", order)

@@ -39,7 +39,7 @@ def test_every_command_is_in_the_page(generated, capsys):
 
 def test_verification_and_failures_are_pages(generated):
     assert generated["verification/table.md"].count("\n| ") > 200
-    assert generated["verification/failures.md"].count("**What kshell does.**") == 18
+    assert generated["verification/failures.md"].count("**What kshell does.**") == 19
     assert "verification/notebooks/plates.md" in generated
 
 

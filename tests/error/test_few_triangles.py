@@ -12,7 +12,7 @@ import kshell as ks
 from kshell.mesh.halve import halved
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect_around
-from tests.plate.plates import rectangle
+from tests.plate.plates import disk, rectangle
 from tests.shell.shapes import joined
 
 MATERIAL = ks.Isotropic(E=210e9, nu=0.3)
@@ -283,3 +283,23 @@ def test_a_probe_between_vertices_that_are_held() -> None:
     result = solved(of, element="hhj", order=1)
     assert result.probe("p")["u"][2] == 0.0
     assert holds(result, solved(of, element="hhj", order=6))
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("rings", [2, 4, 8])
+def test_curved_borders_of_flat_shells_are_chords_or_parabolas(rings: int, order: int) -> None:
+    """A clamped disk as a shell: its energy is pi p^2 a^6 / 384 D; a plate follows the circle."""
+    of = ks.Scene(
+        disk(rings, order),
+        thickness=0.01,
+        material=MATERIAL,
+        supports=[ks.Clamped("edge")],
+        loads=[ks.Pressure(100.0)],
+        probes={"p": (0.0, 0.0, 0.0)},
+    )
+    true = np.pi * 100.0**2 / (384 * 210e9 * 0.01**3 / 12 / (1 - 0.3**2))
+    result = solved(of, model="shell")
+    assert result.error["energy"]["lower"] <= true <= result.error["energy"]["upper"]
+    assert result.error["budget"]["geometry"] > 0.0
+    assert any("chords" in words for words in result.warnings) == (order == 1)
+    assert solved(of, model="plate").strain_energy == pytest.approx(true, rel=1e-9)
