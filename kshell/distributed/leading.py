@@ -125,7 +125,7 @@ def told_of(result: Result) -> Told:
     none = Mesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32))
     given: dict[str, Any] = {name: getattr(result, name) for name in Told.__dataclass_fields__}
     nothing: dict[str, Any] = {"fields": {}, "cell_fields": {}, "edge_fields": {}, "series": [], "lines": {}}
-    nothing |= dict.fromkeys(("evaluate", "scene", "last_mesh", "writer"))
+    nothing |= dict.fromkeys(("evaluate", "sampled", "scene", "last_mesh", "writer"))
     cases = {name: told_of(case) for name, case in result.cases.items()}
     given |= {**nothing, "extremes": dict(result.extremes), "cases": cases}
     return Told(**{**given, "mesh": none, "rows": Rows.of_vertices(none)})

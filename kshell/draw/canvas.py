@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 
 # up to this many triangles their edges are drawn over a field
 FEW_TRIANGLES = 4000
+CURVED, STRAIGHT = 8, 1e-9  # pieces of a curved edge; of the size: what is straight
 TICKS = 5  # numbers along an axis: laying them out takes half of the time of a picture
 # inches: width of a plan view; what numbers and words take left and below, and a bar of colours right or below that
 WIDE, LEFT, BELOW, BAR_RIGHT, BAR_BELOW = 7.5, 0.85, 0.6, 1.45, 0.95
@@ -98,11 +99,15 @@ def flat_triangles(mesh: Mesh, rows: Rows | None = None) -> tuple[Floats, NDArra
 
 
 def edge_lines(mesh: Mesh, edges: NDArray[np.integer]) -> Floats:
-    """(edge, 2 or 3 points, 2) polylines along edges, through the mid-edge nodes where there are some."""
+    """(edge, point, 2) polylines along edges, parabolas through the mid-edge nodes where any lies off its chord."""
     ends = mesh.points[mesh.edges[edges]][:, :, :2]
     if mesh.midpoints is None:
         return ends
-    return np.stack([ends[:, 0], mesh.midpoints[edges, :2], ends[:, 1]], axis=1)
+    aside = mesh.midpoints[edges, :2] - ends.mean(axis=1)
+    if np.abs(aside).max(initial=0.0) <= STRAIGHT * mesh.size:
+        return ends
+    s = np.linspace(0.0, 1.0, CURVED + 1)[:, None]
+    return (1 - s) * ends[:, :1] + s * ends[:, 1:] + 4 * s * (1 - s) * aside[:, None]
 
 
 def draw_edges(axes: Axes, mesh: Mesh, edges: NDArray[np.integer], **style: Any) -> None:

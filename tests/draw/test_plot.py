@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.draw.canvas import edge_lines
 from kshell.draw.pictures import PICTURES
 from kshell.draw.plot import save_picture
 from kshell.draw.png import png
@@ -141,3 +142,22 @@ def test_long_titles_are_wrapped():
     assert box.x0 > 0
     assert box.x1 < figure.bbox.x1
     assert box.y1 < figure.bbox.y1
+
+
+def test_curved_edges_of_order_2_are_drawn_as_curves():
+    plain = square_mesh(2, order=2)
+    at = plain.edges[plain.boundary_edges]
+    assert edge_lines(plain, plain.boundary_edges).shape == (len(at), 2, 2)
+    middles = plain.midpoints.copy()
+    radius = np.sqrt(0.5)
+    points = plain.points - [0.5, 0.5, 0.0]
+    square = np.maximum(np.abs(points[:, :2]).max(axis=1), 1e-300)
+    points[:, :2] *= (radius * square / np.maximum(np.linalg.norm(points[:, :2], axis=1), 1e-300))[
+        :, None
+    ] * 2
+    middles = points[plain.edges].mean(axis=1)
+    rim = plain.boundary_edges
+    middles[rim] *= 2 * radius * 0.5 / np.linalg.norm(middles[rim], axis=1)[:, None]
+    disk = ks.Mesh.from_arrays(points, plain.triangles, {}, middles)
+    lines = edge_lines(disk, disk.boundary_edges)
+    assert np.linalg.norm(lines, axis=2) == pytest.approx(radius, rel=1.5e-3)  # two chords: 2 % inside
