@@ -190,6 +190,7 @@ def test_a_sheet_at_rest_on_a_floor(ipctk, friction):
     assert result.history["smallest_gap"].min() > 0.0
 
 
+@pytest.mark.full
 def test_friction_at_rest(ipctk):
     """On an incline a sheet rests where mu is above tan 20 = 0.364, by friction; below it slides away."""
     sticks = patch(0.4, solve={"order": 1})

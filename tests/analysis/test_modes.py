@@ -321,7 +321,7 @@ def test_thin_square_plates_of_nafems(held, known):
     assert found == pytest.approx(known, rel=1.2e-2)
 
 
-@pytest.mark.parametrize("kind", [ks.Clamped, ks.SimplySupported])
+@pytest.mark.parametrize("kind", [ks.Clamped, pytest.param(ks.SimplySupported, marks=pytest.mark.full)])
 def test_intervals_of_an_l_shape_close_at_its_corner(kind):
     """The mesh is refined where the intervals come from; narrower ones lie within wider ones."""
     from kshell.verify.cases import meshes

@@ -45,6 +45,7 @@ def cone(n, m):
     return ks.Mesh.from_arrays(points, triangles, groups, middle)
 
 
+@pytest.mark.full
 def test_cone_in_torsion_gets_no_worse_across_the_old_threshold():
     """Shear N_12 = T / (2 pi r^2) of a cone turned at its top, by statics; 2,048, then 4,608 triangles."""
     errors = []

@@ -48,4 +48,4 @@ def test_thin_shells_that_are_held_are_none(thickness: float) -> None:
         probes={"p": (np.cos(np.radians(139.0)), 0.6, np.sin(np.radians(139.0)))},
     )
     result = ks.solve(scene, large_deflection=False, order=3)
-    assert result.balance < 1e-6
+    assert result.balance < 1e-11 / thickness**2  # rounding of membrane forces beside moments
