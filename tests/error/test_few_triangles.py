@@ -12,6 +12,7 @@ import kshell as ks
 from kshell.mesh.halve import halved
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import bisect_around
+from kshell.verify.cases.large_scenes import slit_annulus
 from tests.plate.plates import disk, rectangle
 from tests.shell.shapes import joined
 
@@ -303,3 +304,10 @@ def test_curved_borders_of_flat_shells_are_chords_or_parabolas(rings: int, order
     assert result.error["budget"]["geometry"] > 0.0
     assert any("chords" in words for words in result.warnings) == (order == 1)
     assert solved(of, model="plate").strain_energy == pytest.approx(true, rel=1e-9)
+
+
+def test_slit_flat_shells_have_intervals() -> None:
+    """Vertices of both sides of a slit lie at the same places of the border, too."""
+    result = solved(slit_annulus(2, 12), model="shell")
+    assert result.error["kind"] == "estimated"
+    assert result.error["budget"]["geometry"] > 0.0

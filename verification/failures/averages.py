@@ -18,7 +18,7 @@ from verification.failures.failure import Failure, Numbers, columns, lines, pane
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SIZES = (2, 4, 8, 16)
+SIZES = (4, 8, 16, 32)
 
 
 def measure(quick: bool) -> Numbers:
