@@ -16,7 +16,7 @@ from kshell.mesh.mesh import Mesh
 from kshell.result.result import Result
 from kshell.scene.jump_rules import rules
 from kshell.scene.load import Load
-from kshell.scene.structure import Placed
+from kshell.scene.placed import Placed
 
 Floats = NDArray[np.float64]
 

@@ -27,6 +27,7 @@ from kshell.error.chords import share_of_chords
 from kshell.error.corner_fits import SINGLE, CornerFits
 from kshell.error.curve_doubt import turns
 from kshell.error.estimate import Estimate
+from kshell.error.geometry_share import PAIRS
 from kshell.error.marking import doerfler
 from kshell.error.plates import deflection_rows, geometry_share, goal_marks
 from kshell.plate.domain import Domain
@@ -52,7 +53,6 @@ FEW = (
     f"fewer than {FEWEST} triangles with a constant moment each tell too little of their error: take a finer mesh, or "
     "elements of a higher order"
 )
-PAIRS = ((0, 1), (1, 2), (0, 2))  # of vertices
 SAME = 1e-9  # relative difference of stiffnesses that is none
 
 
