@@ -17,7 +17,7 @@ from tests.distributed.processes import ENVIRONMENT, MISSING, ROOT, command_of, 
 
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"the extra distributed is not installed: {MISSING}")
 
-SOON = 5.0  # seconds in which all end, on a machine that does nothing else; 1.1 to 1.8 were measured on a busy one
+HANGS = 240.0  # seconds after which what has not ended waits for ever, however busy the machine is
 MAIN = "from kshell.cli.commands import main\nmain()\n"
 # where an error is put: module, what is called there, and the stage it belongs to
 STAGES = {
@@ -42,7 +42,7 @@ STAGES = {
 }
 PLATE = ("maps", "part", "forms")
 INJECT = """
-import importlib, os, sys, time
+import importlib, os, sys
 module, name, rank, kind, mark = {arguments!r}
 if os.environ["PMI_RANK"] == rank:
     place = importlib.import_module(module)
@@ -52,7 +52,7 @@ if os.environ["PMI_RANK"] == rank:
     import kshell.errors
     errors = {{**vars(kshell.errors), "MemoryError": MemoryError, "ValueError": ValueError}}
     def fails(*given, **more):
-        open(mark, "w").write(str(time.time()))
+        open(mark, "w").close()
         raise errors[kind]("put here on purpose")
     setattr(place, last, fails)
 """
@@ -65,7 +65,7 @@ def slowly(*given):
     rank = os.environ["PMI_RANK"]
     open(os.path.join({folder!r}, rank), "w").write(str(os.getpid()))
     if rank == "1":
-        time.sleep(60)
+        time.sleep(3600)
     return old(*given)
 Koiter.linear_strain = slowly
 """
@@ -100,11 +100,6 @@ def plate(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-def soon() -> float:
-    """Seconds in which all end, as busy as the machine is now."""
-    return SOON * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
-
-
 def errors_in(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.startswith("error: ")]
 
@@ -133,16 +128,21 @@ def errors_in(text: str) -> list[str]:
 def test_an_error_on_one_process_ends_all(
     scene: Path, plate: Path, tmp_path: Path, stage: str, rank: int, kind: str, code: int
 ) -> None:
-    mark = tmp_path / "when"
+    mark = tmp_path / "failed"
     inject = INJECT.format(arguments=(*STAGES[stage], str(rank), kind, str(mark)))
-    done = run_code(
-        max(rank + 1, 2), inject + MAIN, "solve", plate if stage in PLATE else scene, "-o", tmp_path / "out"
+    done = run_code(  # where one is left waiting, the run never ends, which is an error
+        max(rank + 1, 2),
+        inject + MAIN,
+        "solve",
+        plate if stage in PLATE else scene,
+        "-o",
+        tmp_path / "out",
+        timeout=HANGS,
     )
-    after = time.time() - float(mark.read_text(encoding="utf-8"))
+    assert mark.exists()
     assert done.returncode == code, done.stderr
     (message,) = errors_in(done.stderr)
     assert "out of memory" in message if kind == "MemoryError" else "put here on purpose" in message
-    assert after <= soon()
     assert not list(tmp_path.glob("out/*"))  # nothing half written
     assert "Traceback" not in done.stderr
 
@@ -180,14 +180,14 @@ def test_a_killed_process_ends_all(scene: Path, tmp_path: Path) -> None:
         command, env=ENVIRONMENT, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as running:
         begin = time.monotonic()
-        while len(list(tmp_path.glob("[0-9]"))) < 3 and time.monotonic() - begin < 60.0:
+        while len(list(tmp_path.glob("[0-9]"))) < 3 and time.monotonic() - begin < HANGS:
             time.sleep(0.1)
         time.sleep(0.5)  # the others wait for the slow one now
         pids = [int((tmp_path / str(rank)).read_text(encoding="utf-8")) for rank in range(3)]
+        processes = [psutil.Process(pid) for pid in pids]
         os.kill(pids[1], signal.SIGKILL)
-        begin = time.monotonic()
-        running.communicate(timeout=60.0)
+        running.communicate(timeout=HANGS)
         assert running.returncode != 0
-    assert time.monotonic() - begin <= soon()
-    assert not any(psutil.pid_exists(pid) for pid in pids)
+    ended, _ = psutil.wait_procs(processes, timeout=HANGS)
+    assert len(ended) == 3
     assert not (tmp_path / "out" / "result.json").exists()

@@ -11,6 +11,8 @@ import numpy as np
 
 from kshell.distributed.team import Team
 
+HANGS = 120.0  # seconds after which what has not come never does, however busy the machine is
+
 
 class Threads:
     """What a team needs of a communicator, among threads."""
@@ -30,7 +32,7 @@ class Threads:
         return not self._box(source, self.rank, tag).empty()
 
     def recv(self, source: int, tag: int) -> Any:
-        return pickle.loads(self._box(source, self.rank, tag).get(timeout=20.0))
+        return pickle.loads(self._box(source, self.rank, tag).get(timeout=HANGS))
 
     def allgather(self, value: Any) -> list[Any]:
         self.slots[self.rank] = value
@@ -51,7 +53,7 @@ class Threads:
 
 def played(size: int, work: Callable[[Team], Any]) -> list[Any]:
     """What each of several threads gives, or its error."""
-    slots, barrier, found = [None] * size, threading.Barrier(size, timeout=20.0), [None] * size
+    slots, barrier, found = [None] * size, threading.Barrier(size, timeout=HANGS), [None] * size
     mail: dict[Any, Any] = {}
 
     def one(rank: int) -> None:
@@ -64,7 +66,7 @@ def played(size: int, work: Callable[[Team], Any]) -> list[Any]:
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(30.0)
+        thread.join(2 * HANGS)
     return found
 
 
