@@ -19,6 +19,7 @@ from kshell.errors import InputError
 from kshell.mesh.formats import READERS
 from kshell.mesh.formats.found import DIMENSIONS, HIGHER, SOLID, Found
 from kshell.mesh.mesh import EDGE_VERTICES
+from kshell.mesh.pieces import require_no_copies, require_whole_vtk
 from kshell.mesh.raw import RawGroup, RawMesh
 from kshell.mesh.words import count
 
@@ -61,6 +62,7 @@ def read_foreign(path: Path) -> RawMesh:
 
     if path.stat().st_size == 0:
         raise InputError(f"{path.name}: the file is empty")
+    require_whole_vtk(path)
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(
             f"{path.name}: the format '{path.suffix}' is not known. Readable are .msh of gmsh, .geo, .step, "
@@ -129,6 +131,7 @@ def _from_skfem(mesh: Any, source: str) -> RawMesh:
 
 
 def _from_meshio(mesh: Any, source: str) -> RawMesh:
+    require_no_copies(mesh.cell_data, source)
     found = Found(_in_space(np.asarray(mesh.points, dtype=float)), source)
     cells_of = []  # of each block
     for block in mesh.cells:

@@ -19,6 +19,7 @@ from kshell.mesh import msh2, msh4, msh_old, quads
 from kshell.mesh.gmsh_cells import LINES, POINT, QUADRILATERALS, TRIANGLES, CellBlock, kind_of_other
 from kshell.mesh.gmsh_high import lowered
 from kshell.mesh.numbers import Section, sections
+from kshell.mesh.pieces import require_all_parts
 from kshell.mesh.raw import RawGroup, RawMesh
 
 Ints = NDArray[np.int64]
@@ -61,42 +62,43 @@ def read_gmsh(path: Path, source: str | None = None) -> RawMesh:
                 f"{source}: has no ${name}: the file was saved before meshing or cut off. Mesh again, `gmsh "
                 "-2 file.geo`"
             )
+    parts: int | None = None
     if version == "2.2":
         tags, points = msh2.read_nodes(found["Nodes"], binary, byte_order)
         blocks = msh2.read_cells(found["Elements"], binary, byte_order)
     elif version == "4.0":
-        old_entities = msh_old.read_entities(found["Entities"]) if "Entities" in found else {}
+        entities = _entities(found, False, "=", msh_old.PLACE)
         tags, points = msh_old.read_nodes(found["Nodes"])
-        blocks = msh_old.read_cells(found["Elements"], old_entities)
+        blocks, parts = msh_old.read_cells(found["Elements"], entities), entities.parts
     else:
-        entities = msh4.Entities()
-        if "Entities" in found:
-            msh4.read_entities(found["Entities"], binary, byte_order, entities)
-        if "PartitionedEntities" in found:
-            msh4.read_partitioned_entities(found["PartitionedEntities"], binary, byte_order, entities)
+        entities = _entities(found, binary, byte_order, msh4.PLACE)
         tags, points = msh4.read_nodes(found["Nodes"], binary, byte_order)
-        blocks = msh4.read_cells(found["Elements"], binary, byte_order, entities)
-        _require_all_parts(blocks, entities.parts, source)
+        blocks, parts = msh4.read_cells(found["Elements"], binary, byte_order, entities), entities.parts
+    there = {block.part for block in blocks if block.cell_type in TRIANGLES + QUADRILATERALS}
+    said = require_all_parts(there, parts, tags, source)
     names = _physical_names(found["PhysicalNames"]) if "PhysicalNames" in found else {}
     if not names and not any(block.tags for block in blocks):
         blocks = [replace(block, tags=block.entity) for block in blocks]
         raw = _raw_mesh(tags, points, blocks, names, source)
+        raw.notes += said
         if raw.groups:
             raw.notes.append(
                 "no physical groups: curves and surfaces are called by gmsh's own numbers, e.g. '1:2'"
             )
         return raw
-    return _raw_mesh(tags, points, blocks, names, source)
+    raw = _raw_mesh(tags, points, blocks, names, source)
+    raw.notes += said
+    return raw
 
 
-def _require_all_parts(blocks: list[CellBlock], parts: int, source: str) -> None:
-    """Raise InputError for one of the files that hold a mesh together."""
-    there = {block.part for block in blocks if block.cell_type in TRIANGLES + QUADRILATERALS}
-    if parts > 1 and len(there - {0}) == 1:
-        raise InputError(
-            f"{source}: holds part {min(there - {0})} of {parts} alone, which gmsh wrote into a file for each. Save "
-            "the mesh in one file: without -part_split, or `Mesh.PartitionSplitMeshFiles = 0;`"
-        )
+def _entities(found: dict[str, Section], binary: bool, byte_order: str, place: int) -> msh4.Entities:
+    """What the cells lie on, and the pieces of it in a divided mesh; `place` numbers tell where a point lies."""
+    out = msh4.Entities()
+    if "Entities" in found:
+        msh4.read_entities(found["Entities"], binary, byte_order, out, place)
+    if "PartitionedEntities" in found:
+        msh4.read_partitioned_entities(found["PartitionedEntities"], binary, byte_order, out, place)
+    return out
 
 
 def _format(section: Section) -> tuple[str, bool, str]:

@@ -12,6 +12,7 @@ from kshell.mesh.numbers import Numbers, Section
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
+PLACE = 3  # numbers that tell where a point lies
 TagsOfEntity = dict[tuple[int, int], tuple[int, ...]]
 
 
@@ -48,23 +49,25 @@ class Entities:
         return (number,) if 0 < dimension == key[0] and key in self.tags else ()
 
 
-def read_entities(section: Section, binary: bool, byte_order: str, out: Entities) -> None:
-    """Add what a mesh lies on."""
+def read_entities(section: Section, binary: bool, byte_order: str, out: Entities, place: int = PLACE) -> None:
+    """Add what a mesh lies on; a version before has other `place`s of points."""
     numbers = Numbers(section, binary, byte_order)
     counts = numbers.integers("size", 4).tolist()
-    _entities(numbers, counts, out, divided=False)
+    _entities(numbers, counts, out, place, divided=False)
 
 
-def read_partitioned_entities(section: Section, binary: bool, byte_order: str, out: Entities) -> None:
+def read_partitioned_entities(
+    section: Section, binary: bool, byte_order: str, out: Entities, place: int = PLACE
+) -> None:
     """Add the pieces into which a divided mesh cuts that."""
     numbers = Numbers(section, binary, byte_order)
     out.parts = numbers.integer("size")
     out.ghosts = set(numbers.integers("int", 2 * numbers.integer("size")).tolist()[::2])
     counts = numbers.integers("size", 4).tolist()
-    _entities(numbers, counts, out, divided=True)
+    _entities(numbers, counts, out, place, divided=True)
 
 
-def _entities(numbers: Numbers, counts: list[int], out: Entities, divided: bool) -> None:
+def _entities(numbers: Numbers, counts: list[int], out: Entities, place: int, divided: bool) -> None:
     for dimension, number in enumerate(counts):
         for _ in range(number):
             key = (dimension, numbers.integer())
@@ -72,7 +75,7 @@ def _entities(numbers: Numbers, counts: list[int], out: Entities, divided: bool)
                 parent, origin = numbers.integers("int", 2).tolist()
                 out.origin[key] = (parent, origin)
                 out.part[key] = next(iter(numbers.integers("int", numbers.integer("size")).tolist()), 0)
-            numbers.doubles(3 if dimension == 0 else 6)  # where it lies
+            numbers.doubles(place if dimension == 0 else 6)  # where it lies
             out.tags[key] = tuple(numbers.integers("int", numbers.integer("size")).tolist())
             if dimension > 0:
                 numbers.integers("int", numbers.integer("size"))  # what bounds it

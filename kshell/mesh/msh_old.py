@@ -15,11 +15,13 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.gmsh_cells import NODES_OF_TYPE, CellBlock
-from kshell.mesh.msh4 import TagsOfEntity
+from kshell.mesh.msh4 import Entities
 from kshell.mesh.numbers import Numbers, Section
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
+
+PLACE = 6  # numbers that tell where a point lies in version 4.0
 
 
 def read_version_1(data: bytes, source: str) -> tuple[Ints, Floats, list[CellBlock]]:
@@ -59,21 +61,6 @@ def _section(name: str, data: bytes, source: str) -> Numbers:
     return Numbers(Section(name, found[0], source), False, "=")
 
 
-def read_entities(section: Section) -> TagsOfEntity:
-    """Physical tags of each entity (dimension, tag) of version 4.0."""
-    numbers = Numbers(section, False, "=")
-    tags: TagsOfEntity = {}
-    for dimension, number in enumerate(numbers.integers("size", 4).tolist()):
-        for _ in range(number):
-            entity = numbers.integer()
-            numbers.doubles(6)  # where it lies
-            tags[dimension, entity] = tuple(numbers.integers("int", numbers.integer("size")).tolist())
-            if dimension > 0:
-                numbers.integers("int", numbers.integer("size"))  # what bounds it
-    numbers.end()
-    return tags
-
-
 def read_nodes(section: Section) -> tuple[Ints, Floats]:
     """Node tags (n,) and coordinates (n, 3) of version 4.0."""
     numbers = Numbers(section, False, "=")
@@ -91,11 +78,11 @@ def read_nodes(section: Section) -> tuple[Ints, Floats]:
     return nodes[:, 0].astype(np.int64), np.ascontiguousarray(nodes[:, 1:])
 
 
-def read_cells(section: Section, tags: TagsOfEntity) -> list[CellBlock]:
-    """Cells of version 4.0 by entity, with the physical tags of the entity."""
+def read_cells(section: Section, entities: Entities) -> list[CellBlock]:
+    """Cells of version 4.0 as `kshell.mesh.msh4.read_cells` reads those of 4.1."""
     numbers = Numbers(section, False, "=", whole=True)
     n_blocks, n_cells = numbers.integers("size", 2).tolist()
-    blocks = []
+    blocks, found = [], 0
     for _ in range(n_blocks):
         entity, dimension, kind = numbers.integers("int", 3).tolist()
         n = numbers.integer("size")
@@ -103,9 +90,12 @@ def read_cells(section: Section, tags: TagsOfEntity) -> list[CellBlock]:
             raise section.fail(f"holds cells of the unknown type {kind}")
         width = 1 + NODES_OF_TYPE[kind]
         nodes = numbers.integers("size", n * width).reshape(n, width)[:, 1:]
-        number = (entity,) if dimension > 0 and (dimension, entity) in tags else ()
-        blocks.append(CellBlock(kind, nodes, tags.get((dimension, entity), ()), number))
+        key, found = (dimension, entity), found + n
+        if dimension == 2 and entity in entities.ghosts:
+            continue
+        tags, part = entities.tags.get(key, ()), entities.part.get(key, 0)
+        blocks.append(CellBlock(kind, nodes, tags, entities.numbered(key), part))
     numbers.end()
-    if sum(len(block.nodes) for block in blocks) != n_cells:
-        raise section.fail(f"announces {n_cells} cells but holds {sum(len(block.nodes) for block in blocks)}")
+    if found != n_cells:
+        raise section.fail(f"announces {n_cells} cells but holds {found}")
     return blocks

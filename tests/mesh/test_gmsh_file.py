@@ -55,17 +55,16 @@ def test_all_variants_are_the_same_mesh(folder):
         np.testing.assert_allclose(mesh.points, meshes[0].points, atol=1e-14)
 
 
-@pytest.mark.parametrize("version", [2.2, 4.1])
-@pytest.mark.parametrize("binary", [False, True])
+@pytest.mark.parametrize(("version", "binary"), [(2.2, 0), (2.2, 1), (4.0, 0), (4.1, 0), (4.1, 1)])
 def test_partitioned_files(tmp_path, version, binary):
     path = tmp_path / "partitioned.msh"
-    write_with_gmsh(path, version, binary, 1, False, partitions=3)
+    write_with_gmsh(path, version, bool(binary), 1, False, partitions=3)
     mesh = read_mesh(path)
     measures = {group.name: group.measure for group in check.summary(mesh).groups}
     for name, (_, measure) in EXPECTED_GROUPS.items():
         assert measures[name] == pytest.approx(measure, rel=1e-9)
     whole = tmp_path / "whole.msh"
-    write_with_gmsh(whole, version, binary, 1, False)
+    write_with_gmsh(whole, version, bool(binary), 1, False)
     assert len(mesh.triangles) == len(read_mesh(whole).triangles)  # no copies of neighbours
     assert read_mesh(whole).parts is None
     sizes = np.bincount(mesh.parts)
@@ -89,7 +88,7 @@ def test_parts_stay_with_their_triangles(tmp_path):
     np.testing.assert_allclose(middles(fine), middles(mesh), atol=1e-12)
 
 
-@pytest.mark.parametrize("version", [2.2, 4.1])
+@pytest.mark.parametrize("version", [2.2, 4.0, 4.1])
 def test_pieces_of_entities_count_as_these(tmp_path, version):
     """Without physical groups curves and surfaces are called by their numbers, divided or not."""
     found = []
@@ -98,14 +97,24 @@ def test_pieces_of_entities_count_as_these(tmp_path, version):
         write_with_gmsh(path, version, False, 1, False, partitions=partitions, groups=False)
         found.append({group.name: group.measure for group in check.summary(read_mesh(path)).groups})
     assert found[1] == pytest.approx(found[0], rel=1e-12)
-    assert len(found[0]) == (9 if version == 4.1 else 0)
+    assert len(found[0]) == (0 if version == 2.2 else 9)
 
 
-def test_one_of_several_files_is_refused(tmp_path):
-    path = tmp_path / "split.msh"
-    write_with_gmsh(path, 4.1, False, 1, False, partitions=3, split=True)
-    with pytest.raises(InputError, match=r"part 2 of 3 alone.*in one file"):
-        read_mesh(tmp_path / "split_2.msh")
+@pytest.mark.parametrize(("version", "binary"), [(1, 0), (2.2, 0), (2.2, 1), (4.0, 0), (4.1, 0), (4.1, 1)])
+def test_one_of_several_files_is_refused(tmp_path, version, binary):
+    write_with_gmsh(tmp_path / "split.msh", version, bool(binary), 1, False, partitions=3, split=True)
+    for part in (1, 2, 3):
+        with pytest.raises(InputError, match=rf"part {part}( of 3)? alone.*in one file"):
+            read_mesh(tmp_path / f"split_{part}.msh")
+
+
+@pytest.mark.parametrize("version", [2.2, 4.0, 4.1])
+def test_one_part_is_the_whole(tmp_path, version):
+    path = tmp_path / "one.msh"
+    write_with_gmsh(path, version, False, 1, False, partitions=1)
+    mesh = read_mesh(path)
+    assert mesh.areas.sum() == pytest.approx(2.0)
+    assert ["taken as the whole" in note for note in mesh.notes] == ([True] if version == 2.2 else [])
 
 
 @pytest.mark.parametrize("binary", [False, True])

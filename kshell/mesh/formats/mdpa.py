@@ -16,6 +16,7 @@ from kshell.errors import InputError
 from kshell.mesh.formats.found import SOLID, Found
 from kshell.mesh.formats.numbering import Numbering
 from kshell.mesh.formats.text import real, text_of, whole
+from kshell.mesh.pieces import require_one_model_part
 from kshell.mesh.raw import RawMesh
 from kshell.mesh.words import count
 
@@ -52,6 +53,7 @@ def read_mdpa(path: Path) -> RawMesh:
             continue
         if words[0] == "Begin" and len(words) > 1:
             block.append(words[1])
+            require_one_model_part(words[1], path.name)
             if words[1] == "SubModelPart":
                 name = words[2] if len(words) > 2 else ""
                 open_parts.append(_Part(f"{open_parts[-1].name}.{name}" if open_parts else name))

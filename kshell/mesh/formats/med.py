@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.formats.found import SOLID, Found
+from kshell.mesh.pieces import require_no_joints
 from kshell.mesh.raw import RawMesh
 from kshell.mesh.words import count, quoted
 
@@ -59,6 +60,7 @@ def _found(file: Any, source: str) -> Found:
         raise InputError(
             f"{source}: holds {count(len(names), 'mesh', 'meshes')}, {quoted(names)}. Save one alone"
         )
+    require_no_joints(file, source)
     mesh = file["ENS_MAA"][names[0]]
     if int(mesh.attrs.get("REP", 0)):
         raise InputError(f"{source}: its coordinates are cylindrical or spherical. Save it in Cartesian ones")
