@@ -29,11 +29,12 @@ from kshell.equilibrium.energy import Asked, Energy, Linear, in_blocks
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.errors import InputError
 from kshell.material.inelastic import Inelastic
-from kshell.shell.koiter.discretisation import KoiterDiscretisation, KoiterRecovery
+from kshell.shell.koiter.discretisation import KoiterDiscretisation
 from kshell.shell.koiter.edges import Directors, rest_directors
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.loads import surface_points
 from kshell.shell.koiter.matrices import mass
+from kshell.shell.koiter.recovery import KoiterRecovery
 from kshell.shell.koiter.strain_tables import strain_tables
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.section import Section

@@ -14,7 +14,6 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.equilibrium.energy import inelastic_of
 from kshell.equilibrium.reduction import Reduction
 from kshell.material.inelastic import Inelastic
 from kshell.mesh.mesh import Mesh
@@ -35,14 +34,13 @@ from kshell.shell.koiter.loads import (
 )
 from kshell.shell.koiter.matrices import mass
 from kshell.shell.koiter.reactions import rotation_axes
-from kshell.shell.koiter.recovery import displacement, energies, resultants
+from kshell.shell.koiter.recovery import KoiterRecovery
 from kshell.shell.koiter.relaxing import RelaxingKoiter
 from kshell.shell.koiter.supports import Supports
 from kshell.shell.koiter.surface import Surface
 from kshell.shell.koiter.topology import largest_curvature, smooth_patches
 from kshell.shell.koiter.yielding import YieldingKoiter
 from kshell.shell.reference import lagrange
-from kshell.shell.resultants import Resultants
 from kshell.shell.scatter import along_directions, scattered
 from kshell.shell.section import Section
 from kshell.shell.turning import require_curve, require_no_point
@@ -291,69 +289,3 @@ class KoiterConditions(Conditions):
     def reduction(self) -> Reduction:
         """The motions left."""
         return self.kernel.reduction()
-
-
-class KoiterRecovery:
-    """Values of a solution inside triangles.
-
-    Parameters
-    ----------
-    koiter : Koiter
-    x : (unknowns,)
-    finite : bool
-        Whether strains and rotations are finite, not those to first order.
-    memory : Directors, optional
-        Of a finite state.
-    initial : (triangle, 2 r), optional
-        Strains without stress.
-    """
-
-    def __init__(
-        self,
-        koiter: Koiter,
-        x: Floats,
-        finite: bool = False,
-        memory: Any = None,
-        initial: Floats | None = None,
-    ) -> None:
-        self.koiter, self.x, self.finite = koiter, x, finite
-        inelastic = inelastic_of(memory)
-        if finite and inelastic is not None:
-            initial = inelastic if initial is None else initial + inelastic
-        self._memory, self._initial = memory, initial
-        self._stress: Floats | None = None
-        self._total_stress: Floats | None = None
-
-    @cached_property
-    def _total(self) -> Floats:
-        """(triangle, 2 r) strains, found when they are looked at: the displacement of a mode needs none."""
-        return self.koiter.strain(self.x, self._memory) if self.finite else self.koiter.linear_strain(self.x)
-
-    @cached_property
-    def strain(self) -> Floats:
-        """(triangle, 2 r) those with stress."""
-        return self._total if self._initial is None else self._total - self._initial
-
-    def know_stress(self) -> None:
-        """Find the stresses of all triangles once, so that they are not found anew for each place."""
-        self._stress = self.koiter.stress(self.strain)
-        self._total_stress = self._stress if self.strain is self._total else self.koiter.stress(self._total)
-
-    def resultants(self, points: Floats, triangles: Ints) -> Resultants:
-        """N, M and strains at reference points (point, 2) of triangles."""
-        total = self._total if self.finite else None
-        known = (self._stress, self._total_stress)
-        return resultants(self.koiter, self.strain, points, triangles, total, *known)
-
-    @property
-    def constant_moments(self) -> bool:
-        """Whether moments do not change inside triangles."""
-        return self.koiter.surface.order == 1
-
-    def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
-        """Displacement and rotation vector, each (triangle, point, 3)."""
-        return displacement(self.koiter.surface, self.x, points, triangles, self.finite)
-
-    def energies(self) -> tuple[Floats, Floats]:
-        """Membrane and bending energy of each triangle."""
-        return energies(self.koiter, self.strain, self._stress)

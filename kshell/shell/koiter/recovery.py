@@ -6,9 +6,13 @@ normal), e_2 = n x e_1, and tensors are listed 11, 22, 12. Symbols as in section
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.equilibrium.energy import inelastic_of
 from kshell.shell.frames import components, contravariant_to_frame, covariant_to_frame, tangent_frame
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.koiter.surface import Surface
@@ -18,6 +22,7 @@ from kshell.shell.section import section_at
 from kshell.shell.vectors import cross, dot, norm
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
 
 
 def resultants(
@@ -135,3 +140,69 @@ def energies(koiter: Koiter, strain: Floats, stress: Floats | None = None) -> tu
     r = koiter.surface.reference.strains
     work = 0.5 * strain * (koiter.stress(strain) if stress is None else stress)
     return work[:, :r].sum(axis=1), work[:, r:].sum(axis=1)
+
+
+class KoiterRecovery:
+    """Values of a solution inside triangles.
+
+    Parameters
+    ----------
+    koiter : Koiter
+    x : (unknowns,)
+    finite : bool
+        Whether strains and rotations are finite, not those to first order.
+    memory : Directors, optional
+        Of a finite state.
+    initial : (triangle, 2 r), optional
+        Strains without stress.
+    """
+
+    def __init__(
+        self,
+        koiter: Koiter,
+        x: Floats,
+        finite: bool = False,
+        memory: Any = None,
+        initial: Floats | None = None,
+    ) -> None:
+        self.koiter, self.x, self.finite = koiter, x, finite
+        inelastic = inelastic_of(memory)
+        if finite and inelastic is not None:
+            initial = inelastic if initial is None else initial + inelastic
+        self._memory, self._initial = memory, initial
+        self._stress: Floats | None = None
+        self._total_stress: Floats | None = None
+
+    @cached_property
+    def _total(self) -> Floats:
+        """(triangle, 2 r) strains, found when they are looked at: the displacement of a mode needs none."""
+        return self.koiter.strain(self.x, self._memory) if self.finite else self.koiter.linear_strain(self.x)
+
+    @cached_property
+    def strain(self) -> Floats:
+        """(triangle, 2 r) those with stress."""
+        return self._total if self._initial is None else self._total - self._initial
+
+    def know_stress(self) -> None:
+        """Find the stresses of all triangles once, so that they are not found anew for each place."""
+        self._stress = self.koiter.stress(self.strain)
+        self._total_stress = self._stress if self.strain is self._total else self.koiter.stress(self._total)
+
+    def resultants(self, points: Floats, triangles: Ints) -> Resultants:
+        """N, M and strains at reference points (point, 2) of triangles."""
+        total = self._total if self.finite else None
+        known = (self._stress, self._total_stress)
+        return resultants(self.koiter, self.strain, points, triangles, total, *known)
+
+    @property
+    def constant_moments(self) -> bool:
+        """Whether moments do not change inside triangles."""
+        return self.koiter.surface.order == 1
+
+    def displacement(self, points: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+        """Displacement and rotation vector, each (triangle, point, 3)."""
+        return displacement(self.koiter.surface, self.x, points, triangles, self.finite)
+
+    def energies(self) -> tuple[Floats, Floats]:
+        """Membrane and bending energy of each triangle."""
+        return energies(self.koiter, self.strain, self._stress)
