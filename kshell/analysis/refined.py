@@ -28,8 +28,8 @@ from kshell.analysis.levels import (
 from kshell.analysis.missed_loads import largest_displacement, missed_loads
 from kshell.analysis.plate_choice import chosen
 from kshell.analysis.refined_mesh import Refiner, shape_is_known
+from kshell.analysis.refined_result import kind_of, refined_result
 from kshell.analysis.run import Run
-from kshell.analysis.shear import account_for_shear
 from kshell.analysis.stalled import why_stalled
 from kshell.analysis.static import Answered, answer_once
 from kshell.equilibrium.model import Model, Solved
@@ -43,7 +43,6 @@ from kshell.error.sizes import MOST_GROWTH
 from kshell.errors import InputError, Interrupted, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import longest_first
-from kshell.mesh.words import count
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.model import PlateModel
 from kshell.result.result import Result
@@ -64,8 +63,6 @@ LITTLE = (
 )
 GAINLESS = 3  # such levels in a row, after which refining ends
 GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
-QUARTICS = "order 4: quartics follow a chart so closely that its shape takes no triangles of its own"
-CHOICES = ("kind ", "element ", "order ", "top: ", "linear: the largest deflection")
 BYTES, BYTES_MORLEY = 30e3, 4e3  # memory of a solve and its estimate for each unknown, about
 
 
@@ -120,7 +117,7 @@ def analyse(model: Model, run: Run) -> Result:
         if isinstance(model, KoiterModel) and isinstance(first.state, Solved):
             loop.cut = share_when_cut(model, model.problem.energy.linear_strain(first.state.x))
     _refine(loop, mesh)
-    return _result(loop, first)
+    return refined_result(loop, first)
 
 
 def _names(run: Run) -> list[str]:
@@ -163,7 +160,7 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
             words = (
                 f"interrupted at level {len(loop.levels) + 1}: the result is that of level {len(loop.levels)}"
             )
-            raise Interrupted(words, _result(loop, None)) from None
+            raise Interrupted(words, refined_result(loop, None)) from None
         except (SolveError, InputError, MemoryError) as error:
             if not loop.levels:
                 raise
@@ -174,7 +171,7 @@ def _refine(loop: Refinement, mesh: Mesh) -> None:
         loop.levels.append(level)
         loop.run.tell(
             f"level {len(loop.levels)}: {level.unknowns} unknowns, within {100 * level.half_width:.2g} % "
-            f"({_kind(loop, level)}), {time.perf_counter() - loop.begin:.2g} s"
+            f"({kind_of(loop, level)}), {time.perf_counter() - loop.begin:.2g} s"
         )
         if level.half_width <= tolerance and not too_coarse(loop, level):
             return
@@ -231,10 +228,6 @@ def _strain_energy(pair: PlatePair) -> float | None:
     if pair.at_rest:
         return None
     return float(pair.problem.energies(pair.conforming.unknowns)[0])
-
-
-def _kind(loop: Refinement, level: Level) -> str:
-    return level.assessment.kind((loop.names or [ENERGY])[0])
 
 
 def _room(loop: Refinement, level: Level) -> float:
@@ -296,83 +289,3 @@ def _membrane(model: Model, first: Answered) -> float:
     membrane, bending = energies(problem.energy, problem.energy.linear_strain(first.state.x))
     total = float((membrane + bending).sum())
     return float(membrane.sum()) / total if total > 0.0 else 1.0
-
-
-def _result(loop: Refinement, first: Answered | None) -> Result:
-    """The result of the last level, with how it was reached."""
-    level = loop.levels[-1]
-    run = level.run
-    if level.answered is None:
-        assert level.pair is not None
-        solution, conforming = level.pair.conforming.solution, level.pair.conforming
-        d = conforming.full(conforming.unknowns)
-        solved = Solved(d, solution.name, solution.why, solution.iterations, solution)
-        level.answered = answer_once(level.model, run, solved)
-    result = level.answered.result
-    found = level.assessment
-    if loop.pair:
-        for other in loop.levels[:-1]:
-            found.intersect(other.assessment)
-        wanted = loop.names or [ENERGY]
-        level.half_width = max(found.relative(name) for name in wanted)
-    found.document(result, run.options.quantity)
-    if isinstance(level.answered.state, Solved):
-        account_for_shear(result, level.answered.model, level.answered.state, run.options, found.duals)
-    error = result.error
-    error["levels"] = [
-        {"unknowns": each.unknowns, "half_width": _finite(each.half_width), "seconds": each.seconds}
-        for each in loop.levels
-    ]
-    tolerance = float(run.options.tolerance)
-    reasons = result.model["reasons"]
-    if first is not None:
-        # what held this model to that of the first answer was not asked for, and the first answer has its size
-        chosen_first = first.result.model["reasons"]
-        reasons[:] = [
-            *dict.fromkeys([*chosen_first, *(words for words in reasons if not words.startswith(CHOICES))])
-        ]
-        if (
-            first.result.error["budget"]["large_deflection"] is not None
-            and not first.result.model["large_deflection"]
-        ):
-            error["budget"]["large_deflection"] = first.result.error["budget"]["large_deflection"]
-        result.warnings[:] = [
-            *dict.fromkeys(
-                [*(w for w in first.result.warnings if "times the thickness" in w), *result.warnings]
-            )
-        ]
-    if loop.why:
-        reasons[:] = [
-            *(words for words in reasons if not words.startswith(("element ", "order "))),
-            *loop.why,
-        ]
-    if loop.quartics:
-        reasons[:] = [*(words for words in reasons if not words.startswith("order ")), QUARTICS]
-    what = ", ".join(loop.names) if loop.names else "the energy"
-    counts = (
-        f"{count(len(loop.levels), 'mesh', 'meshes')}, {loop.levels[0].unknowns} to {level.unknowns} unknowns"
-    )
-    if loop.why_not:
-        others = (loop.why_not, found.infinite, found.why_not)
-        error["why_not"] = "; ".join(dict.fromkeys(part for part in others if part))
-        known = f"{what} is known within {level.half_width:.1e} ({_kind(loop, level)})"
-        result.warnings.append(
-            f"the tolerance of {tolerance:g} is not reached: "
-            f"{known if np.isfinite(level.half_width) else what + ' has no interval'}; {loop.why_not}"
-        )
-    if loop.refiner.lost:
-        result.warnings.append(loop.refiner.lost)
-    reasons.append(f"tolerance {tolerance:g} of {what}: {counts}{_how(loop)}")
-    result.cell_fields["error"] = np.sqrt(found.marks[(loop.names or [ENERGY])[0]])
-    result.last_mesh = level.model.structure.parameters
-    result.solver["seconds"]["refine"] = time.perf_counter() - loop.begin
-    return result
-
-
-def _how(loop: Refinement) -> str:
-    anew = loop.refiner.remesher
-    return f", {anew.path.name} meshed anew by sizes" if anew is not None and len(loop.levels) > 1 else ""
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
