@@ -27,7 +27,7 @@ from kshell.equilibrium.model import NO_DENSITY, Solved
 from kshell.errors import InputError
 from kshell.plate.assembly import Assembled, assemble, assemble_fixed, assemble_load, assemble_terms
 from kshell.plate.forms import AreaForm, Form
-from kshell.plate.loading import LinearForm
+from kshell.plate.linear_form import LinearForm
 from kshell.plate.model import PlateModel
 from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.planes import take_planes_off

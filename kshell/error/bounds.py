@@ -36,7 +36,8 @@ from kshell.plate.assembly import assemble_load
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.numbering import Held
-from kshell.plate.hhj.system import HHJSystem, Load
+from kshell.plate.hhj.state import Load
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.loading import LOAD_DEGREE
 from kshell.plate.problem import PlateProblem
 

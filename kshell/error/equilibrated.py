@@ -18,10 +18,12 @@ from numpy.typing import NDArray
 from kshell.elements.hierarchic import hierarchic
 from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.plate.forms import AreaSpring, EdgeSpring, Form
-from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.hhj.state import HHJSolution
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.hhj.tables import LARGEST_ORDER, canonical, edge_points, tables
 from kshell.plate.hhj.translate import along, places
-from kshell.plate.loading import AreaLoad, EdgeLoad, LinearForm
+from kshell.plate.linear_form import LinearForm
+from kshell.plate.loading import AreaLoad, EdgeLoad
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

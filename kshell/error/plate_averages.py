@@ -33,7 +33,7 @@ from kshell.error.plates import deflection_rows, geometry_share, goal_marks
 from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.hhj.numbering import Held
-from kshell.plate.hhj.system import HHJSolution
+from kshell.plate.hhj.state import HHJSolution
 from kshell.plate.loads import Loads
 from kshell.plate.model import PlateModel
 from kshell.plate.problem import PlateProblem

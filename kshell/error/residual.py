@@ -29,7 +29,8 @@ from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.error.tractions import POINTS, Tractions, tractions_of
 from kshell.mesh.refine import AROUND
 from kshell.plate.forms import AreaSpring, EdgeSpring
-from kshell.plate.loading import AreaLoad, EdgeLoad, LinearForm
+from kshell.plate.linear_form import LinearForm
+from kshell.plate.loading import AreaLoad, EdgeLoad
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.recovery import Fields

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.forms import Bending, Form
 from kshell.plate.layout import Layout
-from kshell.plate.loading import LinearForm
+from kshell.plate.linear_form import LinearForm
 from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.planes import less_planes
 from kshell.plate.reduction import Reduction

@@ -32,7 +32,8 @@ from kshell.elements.quadrature import interval_rule
 from kshell.plate.domain import Domain
 from kshell.plate.forms import AreaSpring, Bending, EdgeSpring, PointSpring
 from kshell.plate.held import Supports
-from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
+from kshell.plate.linear_form import LinearForm
+from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, PointLoad
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
 

@@ -33,7 +33,8 @@ from kshell.plate.domain import Domain, EdgePatch
 from kshell.plate.forms import edge_rows
 from kshell.plate.held import Supports
 from kshell.plate.layout import Layout
-from kshell.plate.loading import LinearForm, PointLoad
+from kshell.plate.linear_form import LinearForm
+from kshell.plate.loading import PointLoad
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

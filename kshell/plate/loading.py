@@ -1,4 +1,4 @@
-"""Loads as linear forms: element vectors in batches, and resultants for the check of equilibrium.
+"""Loads as linear forms: pressures, forces and moments of edges and of points, initial curvatures.
 
 Work of a load on a virtual deflection v: pressure q v, line force p v, edge moment -m v_n (m positive
 puts the face z = +t/2 in tension), moment vector m_x v_y - m_y v_x, initial curvature kappa_0
@@ -7,11 +7,9 @@ kappa(v)^T D kappa_0 with kappa = (v_xx, v_yy, 2 v_xy).
 
 from __future__ import annotations
 
-import copy
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol, Self, TypeVar
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,97 +17,13 @@ from numpy.typing import NDArray
 from kshell.elements import PlateElement, matrices
 from kshell.plate.domain import Domain, Patch
 from kshell.plate.forms import Bending, edge_patch_for, edge_rows
+from kshell.plate.linear_form import Scaled, resultant_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Field = Callable[[Ints, Floats], Floats]  # values (n, point, ...) at points (n, point, 2) of triangles (n,)
 
-T = TypeVar("T")
-
 LOAD_DEGREE = 6  # polynomial degree of a varying load that is integrated exactly
-
-
-class LinearForm(Protocol):
-    """A load, triangle by triangle; a triangle may occur more than once."""
-
-    @property
-    def everywhere(self) -> bool:
-        """Whether it covers the plate, in the blocks of its domain."""
-
-    def blocks(self) -> Iterator[tuple[Ints, Ints]]:
-        """Batches: (positions in this load, triangle numbers)."""
-
-    def vectors(self, positions: Ints, transform: Floats) -> Floats:
-        """(n, local) element vectors in the unknowns that ``transform`` leads to."""
-
-    def resultant(self, origin: Floats) -> Floats:
-        """(3,) force along z, moments about x and y through ``origin``, straight from the data."""
-
-    def gross(self, size: float) -> float:
-        """Sum of absolute forces, moments divided by a size: the scale for errors of equilibrium."""
-
-    def times(self, factor: float) -> LinearForm:
-        """The same load times a factor."""
-
-
-def resultant_of(force: Floats, xy: Floats, origin: Floats) -> Floats:
-    """Force and moments of forces (...,) along z at points (..., 2)."""
-    arm = xy - origin
-    return np.array([force.sum(), (force * arm[..., 1]).sum(), -(force * arm[..., 0]).sum()])
-
-
-@dataclass
-class Scaled(ABC):
-    """A load times a factor; what is found of the load itself is kept for all of its multiples."""
-
-    factor: float = field(default=1.0, kw_only=True)
-    kept: dict[Hashable, Any] = field(default_factory=dict, kw_only=True, repr=False, compare=False)
-
-    def times(self, factor: float) -> Self:
-        out = copy.copy(self)
-        out.factor = factor * self.factor
-        return out
-
-    @property
-    def alone(self) -> Self:
-        """The load without its factor."""
-        out = copy.copy(self)
-        out.factor = 1.0
-        return out
-
-    def once(self, key: Hashable, find: Callable[[], T]) -> T:
-        """What is found of the load without its factor, when it is first asked for."""
-        if key not in self.kept:
-            self.kept[key] = find()
-        found: T = self.kept[key]
-        return found
-
-    def vectors(self, positions: Ints, transform: Floats) -> Floats:
-        return self.factor * self._vectors(positions, transform)
-
-    def resultant(self, origin: Floats) -> Floats:
-        return self.factor * self.once(("resultant", origin.tobytes()), lambda: self._resultant(origin))
-
-    def gross(self, size: float) -> float:
-        return abs(self.factor) * self.once(("gross", size), lambda: self._gross(size))
-
-    @property
-    @abstractmethod
-    def everywhere(self) -> bool: ...
-
-    @abstractmethod
-    def blocks(self) -> Iterator[tuple[Ints, Ints]]: ...
-
-    # the same without the factor
-
-    @abstractmethod
-    def _vectors(self, positions: Ints, transform: Floats) -> Floats: ...
-
-    @abstractmethod
-    def _resultant(self, origin: Floats) -> Floats: ...
-
-    @abstractmethod
-    def _gross(self, size: float) -> float: ...
 
 
 class Summed(NamedTuple):

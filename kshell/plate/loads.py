@@ -16,7 +16,8 @@ from kshell.mesh.words import place
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Bending
 from kshell.plate.layout import Layout
-from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, Field, PointLoad, Scaled
+from kshell.plate.linear_form import Scaled
+from kshell.plate.loading import AreaLoad, CurvatureLoad, EdgeLoad, Field, PointLoad
 from kshell.plate.places import first_triangles, places_of, points_3d
 from kshell.scene.handlers import Handlers, of_acting
 from kshell.scene.loads import (

@@ -18,7 +18,7 @@ from kshell.plate.assembly import AT_ONCE, Part, chunks, residual
 from kshell.plate.domain import Domain
 from kshell.plate.forms import Form
 from kshell.plate.layout import Layout
-from kshell.plate.loading import LinearForm
+from kshell.plate.linear_form import LinearForm
 from kshell.plate.problem import PlateProblem
 from kshell.plate.rigid import rigid_motions
 from kshell.plate.vibration import KINDS

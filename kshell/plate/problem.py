@@ -25,7 +25,8 @@ from kshell.plate.forms import Bending, Form
 from kshell.plate.held import Supports
 from kshell.plate.inertia import Mass
 from kshell.plate.layout import Layout
-from kshell.plate.loading import LOAD_DEGREE, LinearForm
+from kshell.plate.linear_form import LinearForm
+from kshell.plate.loading import LOAD_DEGREE
 from kshell.plate.loads import Loads, apply_loads
 from kshell.plate.pattern import FullPattern, Pattern
 from kshell.plate.points import PlatePoints

@@ -1,9 +1,7 @@
 """Reactions of the supports, concentrated corner forces, and the check of equilibrium.
 
 The residual K d - f of the degrees of freedom that supports hold is the work of the reactions on unit
-motions; on rigid motions it gives forces and moments without any differentiation of the solution. At a
-vertex that several supports hold, each gets what its conditions carry, equal ones equally: with R the rows of all of
-them, the smallest multipliers with R^T lambda = residual.
+motions; on rigid motions it gives forces and moments without any differentiation of the solution.
 """
 
 from __future__ import annotations
@@ -24,16 +22,15 @@ from kshell.plate.forms import Bending, Form, edge_rows
 from kshell.plate.held import Supports
 from kshell.plate.layout import Layout
 from kshell.plate.line_forces import LineForces, Lines
-from kshell.plate.loading import LinearForm, Scaled
+from kshell.plate.linear_form import LinearForm, Scaled
 from kshell.plate.recovery import Fields
 from kshell.plate.reduction import Reduction
 from kshell.plate.rigid import rigid_motions
+from kshell.plate.shared_vertices import rows_of_groups, shared_at
 from kshell.result.deferred import Deferred
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-SAME_ROWS = 1e-2  # singular value of rows, over the largest, below which they depend on each other
 
 
 @dataclass(frozen=True)
@@ -166,50 +163,11 @@ class ReactionFinder:
     def _shared(self, r: Floats) -> dict[int, dict[int, Floats]]:
         """Work (per_vertex,) that falls to each group, by its number, at vertices that several groups hold."""
         if "rows of supports" not in self.kept:
-            self.kept["rows of supports"] = self._rows_of_groups()
+            self.kept["rows of supports"] = rows_of_groups(
+                self.domain, self.layout, self.reduction, self.supports
+            )
         known: dict[int, tuple[Floats, Ints]] = self.kept["rows of supports"]
-        return {v: self._split(v, rows, owner, r) for v, (rows, owner) in known.items()}
-
-    def _rows_of_groups(self) -> dict[int, tuple[Floats, Ints]]:
-        """Rows (n, width) of the conditions at vertices that several groups hold, and the group (n,) of each."""
-        held, conditions, layout = self.supports.held, self.supports.conditions, self.layout
-        count = np.zeros(len(self.domain.mesh.points), dtype=np.int64)
-        for group in held:
-            count[group.vertices] += 1
-        several = count > 1
-        rows: dict[int, list[Floats]] = {v: [] for v in np.flatnonzero(several).tolist()}
-        owner: dict[int, list[int]] = {v: [] for v in rows}
-        for number, group in enumerate(held):
-            for k in group.rows:
-                fans = conditions.fans[k]
-                vertices = layout.fans.vertex[fans]
-                mine = np.flatnonzero(several[vertices])
-                on_vertices = self.reduction.rows_at_vertices(conditions.rows[k][mine], fans[mine])
-                for v, row in zip(vertices[mine].tolist(), on_vertices, strict=True):
-                    rows[v].append(row)
-                    owner[v].append(number)
-        for v, tie_rows in self.reduction.ties_of(list(rows)):
-            rows[v] += list(tie_rows)
-            owner[v] += [-1] * len(tie_rows)
-        return {v: (np.array(rows[v]), np.array(owner[v])) for v in rows}
-
-    def _split(self, vertex: int, rows: Floats, owner: Ints, r: Floats) -> dict[int, Floats]:
-        """The work of the residual at one vertex, group by group, from rows (n, width) of the groups."""
-        slots = self.reduction.slots[self.reduction.vertex_place[vertex]]
-        scale = self.layout.scale[slots]
-        scaled = np.where(slots >= 0, r[slots] * scale, 0.0)
-        multiplier = np.linalg.lstsq(rows.T, scaled, rcond=SAME_ROWS)[0]
-        b = self.layout.per_vertex
-        first = scale[:b]
-        groups = [number for number in np.unique(owner).tolist() if number >= 0]
-        rest = (scaled - rows.T @ multiplier)[:b] / len(groups)
-        ties = (rows[owner < 0].T @ multiplier[owner < 0])[:b] / len(
-            groups
-        )  # of w and grad w none: both are common
-        return {
-            number: ((rows[owner == number].T @ multiplier[owner == number])[:b] + rest + ties) / first
-            for number in groups
-        }
+        return {v: shared_at(v, *of_groups, r, self.layout, self.reduction) for v, of_groups in known.items()}
 
     def _release_slopes(self, r: Floats) -> Floats:
         """Reaction moments of slopes at curved edges; their rows are taken out of the residual."""

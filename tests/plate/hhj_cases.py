@@ -9,7 +9,8 @@ from kshell.elements import ElementArgyris
 from kshell.mesh.mesh import Mesh
 from kshell.plate.hhj import translate
 from kshell.plate.hhj.geometry import Triangles
-from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.hhj.state import HHJSolution
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.problem import PlateProblem
 from kshell.scene.structure import resolve
 

@@ -16,7 +16,8 @@ from kshell.error.goals import Goal
 from kshell.error.plates import vertex_at
 from kshell.mesh.mesh import Mesh
 from kshell.plate.hhj.numbering import Held
-from kshell.plate.hhj.system import HHJSolution, HHJSystem, Load
+from kshell.plate.hhj.state import HHJSolution, Load
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.problem import PlateProblem
 from kshell.scene.structure import resolve
 from kshell.verify.cases import meshes

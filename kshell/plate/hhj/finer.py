@@ -28,7 +28,8 @@ from kshell.elements.jets import legendre
 from kshell.elements.quadrature import interval_rule, triangle_rule
 from kshell.elements.reference import VERTICES
 from kshell.plate.hhj.arcs import BEYOND
-from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.hhj.state import HHJSolution
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.hhj.tables import edge_points
 
 Floats = NDArray[np.float64]

@@ -21,7 +21,8 @@ from kshell.plate.hhj import translate
 from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.recovery import HHJFields, reactions, work_of_supports
-from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.hhj.state import HHJSolution
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.rims import edge_curves

@@ -19,7 +19,8 @@ from kshell.plate.along_supports import AlongSupports
 from kshell.plate.domain import EdgePatch
 from kshell.plate.hhj.along import HHJLineForces
 from kshell.plate.hhj.finer import FinerDeflection
-from kshell.plate.hhj.system import HHJSolution, HHJSystem
+from kshell.plate.hhj.state import HHJSolution
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.line_forces import Lines
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem

@@ -22,10 +22,12 @@ from kshell.plate.held import Supports
 from kshell.plate.hhj.arcs import Arcs
 from kshell.plate.hhj.geometry import Triangles
 from kshell.plate.hhj.numbering import Held, edge_coefficients
-from kshell.plate.hhj.system import HHJSystem, Load, Spring
+from kshell.plate.hhj.state import Load, Spring
+from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.hhj.tables import tables
 from kshell.plate.holds import OfPlace
-from kshell.plate.loading import LOAD_DEGREE, AreaLoad, CurvatureLoad, EdgeLoad, LinearForm, PointLoad
+from kshell.plate.linear_form import LinearForm
+from kshell.plate.loading import LOAD_DEGREE, AreaLoad, CurvatureLoad, EdgeLoad, PointLoad
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
