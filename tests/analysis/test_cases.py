@@ -399,9 +399,9 @@ def test_scene_of_a_case_is_as_one_made_anew(tmp_path):
     assert len(mine.loads) == 3
     assert len(scene.cases) == 3  # the scene itself is as it was
     mine.save(tmp_path / "mine.toml"), anew.save(tmp_path / "anew.toml")
-    assert (tmp_path / "mine.toml").read_text().replace("mine", "anew") == (
+    assert (tmp_path / "mine.toml").read_text(encoding="utf-8").replace("mine", "anew") == (
         tmp_path / "anew.toml"
-    ).read_text()
+    ).read_text(encoding="utf-8")
 
 
 def every_kind_of_load():

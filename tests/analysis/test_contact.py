@@ -298,7 +298,7 @@ def test_words_of_contact_in_scene_files(tmp_path):
         'self = true\nwith = ["table.stl", {kind = "plane", point = [0, 0, -1], normal = [0, 0, 1], name = "floor", '
         'motion = ["0", "0", "0.1*t"]}]\n'
     )
-    (tmp_path / "s.toml").write_text(text)
+    (tmp_path / "s.toml").write_text(text, encoding="utf-8")
     scene = ks.Scene.load(tmp_path / "s.toml")
     assert scene.contact.friction == 0.3
     assert scene.contact.self

@@ -206,7 +206,7 @@ def test_loads_from_tables(tmp_path):
     """A load from a file is the one of the formula; scene files name the file."""
     times = np.linspace(0, 2 * PERIOD, 9)
     rows = [f"{t:.17g}; {abs(t - PERIOD):.17g}" for t in times]
-    (tmp_path / "gust.csv").write_text("time; factor\n" + "\n".join(rows) + "\n")
+    (tmp_path / "gust.csv").write_text("time; factor\n" + "\n".join(rows) + "\n", encoding="utf-8")
     common = {"initial_velocity": None}
     formula = cantilever(loads=[ks.Traction((0, 0, f"10*abs(t - {PERIOD})"))], **common)
     text = f"10*{ks.table(tmp_path / 'gust.csv')}"
@@ -218,7 +218,8 @@ def test_loads_from_tables(tmp_path):
     (tmp_path / "s.toml").write_text(
         'mesh = "m.msh"\nthickness = 0.01\n[material]\nE = 1e9\nnu = 0.3\ndensity = 1000\n'
         '[initial]\ndisplacement = [0, 0, "0.01*x"]\n'
-        '[[load]]\nkind = "pressure"\nvalue = "1000*table(\'gust.csv\')"\n'
+        '[[load]]\nkind = "pressure"\nvalue = "1000*table(\'gust.csv\')"\n',
+        encoding="utf-8",
     )
     scene = ks.Scene.load(tmp_path / "s.toml")
     assert at_time(scene.loads[0].value, 0.25 * PERIOD) == pytest.approx(1000 * 0.75 * PERIOD)
@@ -229,7 +230,7 @@ def test_loads_from_tables(tmp_path):
         ("0, 1\n1\n", "two finite numbers"),
         ("0, 1\n1, 2\n1, 3\n", "must rise"),
     ):
-        (tmp_path / "gust.csv").write_text(content)
+        (tmp_path / "gust.csv").write_text(content, encoding="utf-8")
         with pytest.raises(ks.InputError, match=words):
             ks.Scene.load(tmp_path / "s.toml")
     (tmp_path / "gust.csv").unlink()
@@ -281,15 +282,15 @@ def test_what_is_written(tmp_path):
     scene, period = spinning()
     result = ks.simulate(scene, time=0.2 * period, step=period / 40, order=1, output=4)
     result.save(tmp_path)
-    found = json.loads((tmp_path / "result.json").read_text())
+    found = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
     assert found["analysis"] == "dynamic"
     steps = len(found["history"]["time"])
     assert steps == 9
     assert np.shape(found["history"]["probes"]["end"]["u"]) == (steps, 3)
-    lines = (tmp_path / "history.csv").read_text().splitlines()
+    lines = (tmp_path / "history.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == steps + 1
     assert lines[0].startswith("time,kinetic_energy,strain_energy")
-    assert (tmp_path / "series.pvd").read_text().count("step-") == len(result.series) == 5
+    assert (tmp_path / "series.pvd").read_text(encoding="utf-8").count("step-") == len(result.series) == 5
     assert (tmp_path / "history.png").stat().st_size > 1000
 
 
@@ -299,7 +300,8 @@ def test_scene_files(tmp_path):
         'mesh = "m.msh"\nthickness = 0.01\n[material]\nE = 1e9\nnu = 0.3\ndensity = 1000\n'
         "[initial]\nvelocity = [0, 0, -2.0]\n[damping]\nratio = 0.02\n"
         '[[load]]\nkind = "pressure"\nvalue = "1000*sin(20*t)"\n'
-        '[solve]\nanalysis = "dynamic"\ntime = 1.0\nstep = "auto"\nscheme = "bdf2"\noutput = 20\n'
+        '[solve]\nanalysis = "dynamic"\ntime = 1.0\nstep = "auto"\nscheme = "bdf2"\noutput = 20\n',
+        encoding="utf-8",
     )
     scene = ks.Scene.load(tmp_path / "s.toml")
     assert scene.initial_velocity.value == (0.0, 0.0, -2.0)

@@ -47,7 +47,8 @@ def step(folder, make):
     named = folder / "named.geo"
     named.write_text(
         'SetFactory("OpenCASCADE"); Merge "shape.step";\nPhysical Surface("wall") = Surface{:};\n'
-        f'Physical Curve("rim") = {{{", ".join(map(str, rims))}}};\nPhysical Curve("curves") = Curve{{:}};\n'
+        f'Physical Curve("rim") = {{{", ".join(map(str, rims))}}};\nPhysical Curve("curves") = Curve{{:}};\n',
+        encoding="utf-8",
     )
     return named
 

@@ -328,9 +328,9 @@ def test_what_is_written(tmp_path):
     """History as a table and a picture, a series of states."""
     result = ks.simulate(plate(initial_velocity=MODE), time=PERIOD / 5, output=2)
     result.save(tmp_path)
-    lines = (tmp_path / "history.csv").read_text().splitlines()
+    lines = (tmp_path / "history.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == len(result.history["time"]) + 1
-    assert (tmp_path / "series.pvd").read_text().count("step-") == len(result.series) == 3
+    assert (tmp_path / "series.pvd").read_text(encoding="utf-8").count("step-") == len(result.series) == 3
     assert (tmp_path / "history.png").stat().st_size > 1000
     assert {"history", "film"} <= set(pictures(result))
     words = result.plot("film").get_suptitle()

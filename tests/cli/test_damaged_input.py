@@ -91,12 +91,12 @@ def test_a_shell_held_in_every_unknown_is_answered(solve):
 
 def test_json_goes_through_links(solve, tmp_path):
     real = tmp_path / "elsewhere.json"
-    real.write_text("old")
+    real.write_text("old", encoding="utf-8")
     link = tmp_path / "link.json"
     link.symlink_to(real)
     assert solve(PLATE, "--json", str(link))[0] == 0
     assert link.is_symlink()
-    assert json.loads(real.read_text())["analysis"] == "static"
+    assert json.loads(real.read_text(encoding="utf-8"))["analysis"] == "static"
 
 
 def test_json_goes_into_devices(solve):
@@ -109,7 +109,7 @@ def test_text_goes_into_pipes(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
     read: list[str] = []
-    reader = threading.Thread(target=lambda: read.append(pipe.read_text()))
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text(encoding="utf-8")))
     reader.start()
     write_text("{}", pipe)
     reader.join()
@@ -123,7 +123,7 @@ def test_what_killed_runs_left_is_removed(tmp_path):
     running = tmp_path / f"{UNFINISHED}{_machine()}-{os.getpid()}-x"
     for folder in (left, running):
         folder.mkdir()
-    write_together(tmp_path, {"a.txt": lambda path: path.write_text("a")})
+    write_together(tmp_path, {"a.txt": lambda path: path.write_text("a", encoding="utf-8")})
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(["a.txt", running.name])
 
 

@@ -183,7 +183,7 @@ def _value(value: object) -> str:
 def verdict(seed: int, folder: Path, capsys: pytest.CaptureFixture[str]) -> str:
     """What is wrong with how a scene was handled; "answered" or "refused" if nothing is."""
     path = folder / f"scene-{seed}.toml"
-    path.write_text(as_toml(scene(seed)))
+    path.write_text(as_toml(scene(seed)), encoding="utf-8")
     with np.errstate(all="ignore"):
         code = run(["solve", str(path), "--json", "-"])
     said = capsys.readouterr()

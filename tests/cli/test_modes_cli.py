@@ -35,7 +35,7 @@ def scene(tmp_path):
     mesh = ks.geometry.Plane().mesh(4, 4, 1, ("x0", "x1", "y0", "y1"), (0, 1), (0, 1))
     write_msh(mesh, tmp_path / "plate.msh")
     path = tmp_path / "plate.toml"
-    path.write_text(SCENE.format(density=1.0))
+    path.write_text(SCENE.format(density=1.0), encoding="utf-8")
     return path
 
 
@@ -46,7 +46,7 @@ def test_modes_with_table_and_files(scene, tmp_path, capsys):
     assert "proven" in out
     written = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"result.json", "result.vtu", "modes.pvd", "modes.png", "mode-003-11.vtu"} <= written
-    document = json.loads((tmp_path / "out" / "result.json").read_text())
+    document = json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))
     assert document["analysis"] == "modes"
     first = document["eigen"][0]
     assert first["lower"] < 4 * np.pi**4 < first["upper"]
@@ -89,7 +89,7 @@ def test_bad_options(scene, capsys, arguments, words):
 
 
 def test_no_density(scene, capsys):
-    scene.write_text(SCENE.format(density=0.0))
+    scene.write_text(SCENE.format(density=0.0), encoding="utf-8")
     assert run(["modes", str(scene)]) == 2
     assert "no density" in capsys.readouterr().err
 
@@ -102,7 +102,9 @@ def test_a_mesh_is_not_enough(tmp_path, capsys):
 def test_response_and_check(scene, capsys):
     load = '[[load]]\nkind = "pressure"\nvalue = 1\n[[probe]]\nname = "centre"\nat = [0.5, 0.5, 0]\n'
     text = SCENE.format(density=1.0).split("[[load]]")[0] + load
-    scene.write_text(text + '[damping]\nratio = 0.05\n[solve]\nanalysis = "response"\nrange = [0, 6]\n')
+    scene.write_text(
+        text + '[damping]\nratio = 0.05\n[solve]\nanalysis = "response"\nrange = [0, 6]\n', encoding="utf-8"
+    )
     assert run(["solve", str(scene)]) == 0
     out = capsys.readouterr().out
     assert "Response from 0 to 6 Hz" in out
@@ -112,7 +114,7 @@ def test_response_and_check(scene, capsys):
 def test_check_of_a_free_plate(scene, capsys):
     """A body without supports may vibrate."""
     text = SCENE.format(density=1.0).split("[[support]]")[0]
-    scene.write_text(text + '[solve]\nanalysis = "modes"\n')
+    scene.write_text(text + '[solve]\nanalysis = "modes"\n', encoding="utf-8")
     assert run(["check", str(scene)]) == 0, capsys.readouterr().err
     assert run(["modes", str(scene), "--count", "2"]) == 0
     assert "translation along z" in capsys.readouterr().out
@@ -122,7 +124,7 @@ def test_check_of_a_free_plate(scene, capsys):
 def test_cases_have_a_row_each_with_their_first_values(scene, capsys, analysis, head):
     cases = "[[case]]\nname = 'once'\nloads = [0, 1]\n[[case]]\nname = 'twice'\nloads = [0, 1]\nfactors = [2, 2]\n"
     prestress = "[solve]\nprestress = true\n" if analysis == "modes" else ""
-    scene.write_text(scene.read_text() + cases + prestress)
+    scene.write_text(scene.read_text(encoding="utf-8") + cases + prestress, encoding="utf-8")
     assert run([analysis, str(scene)]) == 0
     said = capsys.readouterr().out
     for words in ("Load cases, ", head, 'case "once"'):

@@ -102,7 +102,9 @@ def test_what_a_result_is_asked_is_answered_or_refused_in_words(tmp_path: Path, 
     SCENES[name]().save(tmp_path / f"{name}.toml")
     done = run_code(2, ASKED, tmp_path, name)
     assert done.returncode == 0, done.stderr
-    first, other = (json.loads((tmp_path / f"{name}-{rank}.json").read_text()) for rank in range(2))
+    first, other = (
+        json.loads((tmp_path / f"{name}-{rank}.json").read_text(encoding="utf-8")) for rank in range(2)
+    )
     alone = ks.solve(ks.Scene.load(tmp_path / f"{name}.toml"))
     np.testing.assert_allclose(first["at"], np.ravel(alone.at((0.3, 0.4, 0.0))["u"]), rtol=1e-7, atol=1e-12)
     force = alone.cut((0.3, 0.93, 0.45), (0, 0.3, 1))["force"] if name == "cases" else np.array([])

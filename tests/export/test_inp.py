@@ -33,7 +33,7 @@ def plate(**given):
 def blocks(path):
     """Keyword lines of a file, each with its data lines."""
     out = []
-    for line in path.read_text().splitlines():
+    for line in path.read_text(encoding="utf-8").splitlines():
         if line.startswith("*") and not line.startswith("**"):
             out.append((line, []))
         elif not line.startswith("**"):
@@ -110,7 +110,7 @@ def test_command_and_cases(tmp_path):
 
 def displacement(path):
     """Displacements by node number of the last step of a .frd file."""
-    text = path.read_text()
+    text = path.read_text(encoding="utf-8")
     part = text[text.rindex("DISP") :]
     rows = re.findall(r"^ -1 *(\d+)(.{12})(.{12})(.{12})", part[: part.index(" -3")], re.MULTILINE)
     return {int(number): np.array([float(v) for v in values]) for number, *values in rows}

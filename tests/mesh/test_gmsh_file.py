@@ -357,7 +357,7 @@ def test_old_versions(tmp_path, version, order):
 def test_wrong_counts_in_old_versions(tmp_path, version, section):
     path = tmp_path / "old.msh"
     write_with_gmsh(path, version, False, 1, False)
-    lines = path.read_text().splitlines()
+    lines = path.read_text(encoding="utf-8").splitlines()
     if f"${section}" not in lines:
         assert section.isupper() != (version == 1.0)
         return
@@ -365,12 +365,12 @@ def test_wrong_counts_in_old_versions(tmp_path, version, section):
     *blocks, number = lines[at].split()
     for change in (-5, -1, 1):
         lines[at] = " ".join([*blocks, str(int(number) + change)])
-        path.write_text("\n".join(lines))
+        path.write_text("\n".join(lines), encoding="utf-8")
         with pytest.raises(InputError, match="The file is damaged"):
             read_mesh(path)
     lines[at] = " ".join([*blocks, number])
     lines[at + 1] += " 7"
-    path.write_text("\n".join(lines))
+    path.write_text("\n".join(lines), encoding="utf-8")
     with pytest.raises(InputError, match="The file is damaged"):
         read_mesh(path)
 

@@ -33,7 +33,8 @@ def written(folder, make, size, suffix="brep"):
         gmsh.finalize()
     named = folder / "named.geo"
     named.write_text(
-        f'SetFactory("OpenCASCADE"); Merge "{path.name}";\nPhysical Surface("skin") = Surface{{:}};\n'
+        f'SetFactory("OpenCASCADE"); Merge "{path.name}";\nPhysical Surface("skin") = Surface{{:}};\n',
+        encoding="utf-8",
     )
     return path, read_mesh(named, size, 1)
 

@@ -103,13 +103,16 @@ def test_cut_in_scene_files_and_other_analyses(tmp_path):
     write_msh(mesh, tmp_path / "m.msh")
     (tmp_path / "s.toml").write_text(
         'mesh = "m.msh"\nthickness = 0.01\n[material]\nE = 1e9\nnu = 0.3\ndensity = 1000\n'
-        '[[support]]\non = ["x0", "x1"]\nkind = "clamped"\n[[cut]]\non = "c0"\n'
+        '[[support]]\non = ["x0", "x1"]\nkind = "clamped"\n[[cut]]\non = "c0"\n',
+        encoding="utf-8",
     )
     scene = ks.Scene.load(tmp_path / "s.toml")
     assert len(scene.read_mesh().points) == 52
     first = ks.modes(scene, count=1).eigen[0]["value"]
     whole = ks.modes(plate(mesh, loads=[]), count=1).eigen[0]["value"]
     assert 0 < first < 0.95 * whole
-    (tmp_path / "t.toml").write_text((tmp_path / "s.toml").read_text() + "at_time = 0.2\n")
+    (tmp_path / "t.toml").write_text(
+        (tmp_path / "s.toml").read_text(encoding="utf-8") + "at_time = 0.2\n", encoding="utf-8"
+    )
     with pytest.raises(ks.InputError, match="at_time"):
         ks.Scene.load(tmp_path / "t.toml")

@@ -45,7 +45,7 @@ pytestmark = [
 
 def opened(folder, *names):
     program = folder / "program.py"
-    program.write_text(PROGRAM)
+    program.write_text(PROGRAM, encoding="utf-8")
     paths = [str(folder / name) for name in names]
     done = subprocess.run(
         [PVPYTHON, str(program), *paths],
@@ -80,7 +80,9 @@ def test_paraview_opens_every_file(tmp_path):
     for k in range(2):
         piece = piece_of(whole, np.arange(count) % 2 == k)
         write_triangles(tmp_path / piece_name(k), piece, facts=facts(path))
-    (tmp_path / "result.pvtu").write_text(pieces_index(whole, [piece_name(0), piece_name(1)]))
+    (tmp_path / "result.pvtu").write_text(
+        pieces_index(whole, [piece_name(0), piece_name(1)]), encoding="utf-8"
+    )
     every = opened(tmp_path, "result.vtu", "path.pvd", "series.xdmf", "result.pvtu")
     for one in every:
         assert one["cells"] == count

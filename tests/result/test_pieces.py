@@ -52,8 +52,8 @@ def test_pieces_put_together_are_the_whole(result: ks.Result, tmp_path: Path, co
 
 
 def test_the_index_names_columns_as_the_pieces_do(result: ks.Result, tmp_path: Path) -> None:
-    index = in_pieces(result, tmp_path, 2).read_text()
-    piece = (tmp_path / piece_name(0)).read_text()
+    index = in_pieces(result, tmp_path, 2).read_text(encoding="utf-8")
+    piece = (tmp_path / piece_name(0)).read_text(encoding="utf-8")
     for name, columns in (("moment", "xx yy xy"), ("shear", "x y"), ("displacement", "x y z")):
         if name in result.fields:
             words = "".join(f' ComponentName{k}="{column}"' for k, column in enumerate(columns.split()))

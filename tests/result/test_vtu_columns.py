@@ -13,7 +13,7 @@ from tests.plate.plates import UNIT, rectangle
 def test_names_of_columns_and_head(tmp_path):
     result = ks.solve(ks.Scene.load("meshes/scordelis_lo.toml"), error="off")
     result.save(tmp_path)
-    text = (tmp_path / "result.vtu").read_text()
+    text = (tmp_path / "result.vtu").read_text(encoding="utf-8")
     names = dict(re.findall(r'Name="(\w+)" NumberOfComponents="\d"((?: ComponentName\d="\w+")+)', text))
     assert re.findall('"(\\w+)"', names["moment"]) == ["xx", "yy", "xy"]
     assert re.findall('"(\\w+)"', names["displacement"]) == ["x", "y", "z"]
@@ -44,7 +44,7 @@ def test_paraview_lists_what_a_file_is_of(tmp_path):
         large_deflection=False,
     )
     result.save(tmp_path)
-    envelope = (tmp_path / "envelope.vtu").read_text()
+    envelope = (tmp_path / "envelope.vtu").read_text(encoding="utf-8")
     assert 'Name="max_moment" NumberOfComponents="3" ComponentName0="xx"' in envelope
     assert 'Name="min_case_shear" NumberOfComponents="2" ComponentName0="x"' in envelope
     read = pyvista.read(tmp_path / "case-winter.vtu")

@@ -25,7 +25,9 @@ def lifted(load, **given):
 def table(path, n, head="x, y, z, p", field=lambda x, y: 100.0 + 50.0 * x + 20.0 * y):
     x, y = (part.ravel() for part in np.meshgrid(np.linspace(0, 2, 2 * n + 1), np.linspace(0, 1, n + 1)))
     rows = np.c_[x, y, 0 * x, field(x, y)]
-    path.write_text("\n".join([head, *(", ".join(f"{v:.12g}" for v in row) for row in rows)]))
+    path.write_text(
+        "\n".join([head, *(", ".join(f"{v:.12g}" for v in row) for row in rows)]), encoding="utf-8"
+    )
     return path
 
 
@@ -106,11 +108,12 @@ mean = {{file = "warm.csv", field = "T", within = 5.0}}
 [solve]
 large_deflection = false
 error = "off"
-"""
+""",
+        encoding="utf-8",
     )
     mesh = ks.Scene.load(tmp_path / "scene.toml").read_mesh()
     rows = [", ".join(f"{v:.12g}" for v in (*point, 30.0)) for point in mesh.points]
-    (tmp_path / "warm.csv").write_text("\n".join(["x, y, z, T", *rows]))
+    (tmp_path / "warm.csv").write_text("\n".join(["x, y, z, T", *rows]), encoding="utf-8")
     scene = ks.Scene.load(tmp_path / "scene.toml")
     found = ks.solve(scene)
     scene.save(tmp_path / "other" / "scene.toml")
@@ -123,7 +126,7 @@ error = "off"
 def test_too_far_away(tmp_path):
     file = tmp_path / "p.csv"
     rows = [(x, y, 0.0, 1.0) for x in np.linspace(0, 1, 11) for y in np.linspace(0, 1, 11)]
-    file.write_text("\n".join(["x,y,z,p", *(",".join(map(str, row)) for row in rows)]))
+    file.write_text("\n".join(["x,y,z,p", *(",".join(map(str, row)) for row in rows)]), encoding="utf-8")
     with pytest.raises(ks.InputError, match="away from all that the file knows"):
         lifted(ks.Pressure(ks.Mapped(file, "p")))
     force, _ = lifted(ks.Pressure(ks.Mapped(file, "p", within=1.5)))
@@ -143,7 +146,7 @@ def test_too_far_away(tmp_path):
 )
 def test_wrong_tables(tmp_path, text, words):
     file = tmp_path / "p.csv"
-    file.write_text(text)
+    file.write_text(text, encoding="utf-8")
     with pytest.raises(ks.InputError, match=words):
         lifted(ks.Pressure(ks.Mapped(file, "p")))
 
@@ -153,7 +156,7 @@ def test_wrong_files(tmp_path):
         lifted(ks.Pressure(ks.Mapped(tmp_path / "none.csv", "p")))
     with pytest.raises(ks.InputError, match="no point data"):
         lifted(ks.Pressure(ks.Mapped(surface(tmp_path / "p.vtu", 2), "q")))
-    (tmp_path / "bad.vtu").write_text("<no>")
+    (tmp_path / "bad.vtu").write_text("<no>", encoding="utf-8")
     with pytest.raises(ks.InputError, match="meshio cannot read it"):
         lifted(ks.Pressure(ks.Mapped(tmp_path / "bad.vtu", "q")))
     with pytest.raises(ks.InputError, match="within"):

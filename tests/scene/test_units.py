@@ -32,8 +32,8 @@ def test_shown_and_never_converted(tmp_path, capsys):
     assert named.probes["p"]["u"] == pytest.approx(bare.probes["p"]["u"], rel=1e-12)
     assert named.strain_energy == pytest.approx(bare.strain_energy, rel=1e-12)
     named.save(tmp_path / "named"), bare.save(tmp_path / "bare")
-    assert json.loads((tmp_path / "named" / "result.json").read_text())["units"] == "N, mm"
-    assert "units" not in json.loads((tmp_path / "bare" / "result.json").read_text())
+    assert json.loads((tmp_path / "named" / "result.json").read_text(encoding="utf-8"))["units"] == "N, mm"
+    assert "units" not in json.loads((tmp_path / "bare" / "result.json").read_text(encoding="utf-8"))
     assert ks.Result.load(tmp_path / "named").units == "N, mm"
     print_result(named, [], 0.0)
     assert "units: N, mm" in capsys.readouterr().out

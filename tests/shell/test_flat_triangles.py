@@ -77,9 +77,9 @@ def test_pressure_against_membrane_theory(make, n, thickness):
 def test_roof_from_80_flat_triangles(tmp_path):
     """Scordelis-Lo: -8 % with flat triangles of order 2; -0.300592457 is the deflection of the free edge."""
     geometry = tmp_path / "roof.geo"
-    text = (MESHES / "scordelis_lo.geo").read_text()
+    text = (MESHES / "scordelis_lo.geo").read_text(encoding="utf-8")
     assert "n = 14; m = 3;" in text
-    geometry.write_text(text.replace("n = 14; m = 3;", "n = 8; m = 5;"))
+    geometry.write_text(text.replace("n = 14; m = 3;", "n = 8; m = 5;"), encoding="utf-8")
     mesh = dataclasses.replace(ks.mesh.read_mesh(geometry, mesh_order=1), midpoints=None)
     assert len(mesh.triangles) == 80
     result = ks.solve(dataclasses.replace(ks.Scene.load(MESHES / "scordelis_lo.toml"), mesh=mesh))

@@ -123,7 +123,10 @@ def test_rows_of_a_branch(tmp_path):
     assert file.points == pytest.approx(result.points)
     assert file.point_data["moment"] == pytest.approx(result.fields["moment"])
     assert np.array_equal(file.point_data["vertex"], result.vertex)
-    assert "means over the triangles" in (tmp_path / "result.vtu").read_text(errors="replace")[:800]
+    assert (
+        "means over the triangles"
+        in (tmp_path / "result.vtu").read_text(errors="replace", encoding="utf-8")[:800]
+    )
     assert "means over the triangles" in result.to_dict()["nodal_values"]
 
 

@@ -116,7 +116,9 @@ def test_pardiso_whose_library_cannot_be_loaded_is_passed_over(tmp_path, monkeyp
     """The package is there, MKL, which it loads when it is imported, is not."""
     package = tmp_path / "pypardiso"
     package.mkdir()
-    (package / "__init__.py").write_text("raise ImportError('Shared library mkl_rt not found')")
+    (package / "__init__.py").write_text(
+        "raise ImportError('Shared library mkl_rt not found')", encoding="utf-8"
+    )
     for name in [name for name in sys.modules if name.partition(".")[0] == "pypardiso"]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.syspath_prepend(tmp_path)
