@@ -206,9 +206,7 @@ def _deflection(model: Model, run: Run, state: Stressed) -> tuple[float, float]:
     A uniform one, as that of a sphere or of a ring, changes no angles.
     """
     structure = run.structure
-    every = np.arange(len(structure.space.triangles))
-    centres = structure.space.points[structure.space.triangles].mean(axis=1)[:, None]
-    thickness = float(structure.section.thickness(every, centres).min())
+    thickness = float(structure.thickness.min())
     if state.solved is not None:
         fields = model.motion_fields(state.solved.x)
         across = np.einsum("vx,vx->v", fields["displacement"], fields["normal"])

@@ -5,6 +5,8 @@ None of it is an error of the computation; it tells of a unit or a load that is 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,12 +95,16 @@ def _moved_too_far(moved: Floats, structure: Structure) -> list[str]:
 def _stretched(result: Result, structure: Structure, large: bool) -> list[str]:
     """Of strains that no linear law holds for, from the energy: 1/2 (E t) e^2 / 3 per area of a bent plate."""
     mesh, section = structure.space, structure.section
-    every = np.arange(1 if section.uniform else len(mesh.triangles))
-    centres = mesh.points[mesh.triangles[every]].mean(axis=1)[:, None]
-    stiffness = section.membrane(every, centres)[:, 0].max(axis=(1, 2))
-    held = float(np.sum(mesh.areas * stiffness))
+    if section.uniform:
+        held = float(
+            section.membrane(np.zeros(1, dtype=np.int64), mesh.points[None, :1]).max() * mesh.areas.sum()
+        )
+    else:
+        centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
+        stiffness = section.membrane(np.arange(len(mesh.triangles)), centres)[:, 0].max(axis=(1, 2))
+        held = float(mesh.areas @ stiffness)
     energy = result.strain_energy - result.energies.get("springs", 0.0)
-    strain = float(np.sqrt(max(6.0 * energy / held, 0.0)))
+    strain = math.sqrt(max(6.0 * energy / held, 0.0))
     if not strain > (STRETCHED_LARGE if large else STRETCHED):
         return []
     return [

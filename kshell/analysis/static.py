@@ -248,7 +248,7 @@ def _bent(plate: Result, structure: Structure) -> float:
         p.item for p in structure.supports if "z" in p.item.freedoms and not isinstance(p.item, Elastic)
     ]
     if holding and not any(placed.item.moves for placed in structure.supports):
-        return abs(float(plate.extremes["deflection"]["value"]))
+        return float(np.abs(plate.fields["displacement"][:, 2]).max())
     w = np.asarray(plate.fields["displacement"])[:, 2]
     x = np.asarray(plate.points)[:, :2]
     rows = np.column_stack([np.ones(len(x)), x - x.mean(axis=0)])

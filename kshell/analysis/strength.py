@@ -44,11 +44,11 @@ def add_strength(
         if "moment" in result.fields:
             inside = layers_at_rows(result, structure, warmth)
             add_largest(result, structure, inside, corners)
+    if not structure.section.has_yield_stress:
+        return
     limits = {
         face: structure.section.yield_stress(side) for face, side in zip(FACES, (-1, 0, 1), strict=True)
     }
-    if all(np.isinf(limit).all() for limit in limits.values()):
-        return
     _add_utilisation(result, limits, inside)
 
 

@@ -112,11 +112,10 @@ def _cases(scene: Scene) -> dict[str, Sequence[float]]:
 
 def _sections(structure: Structure) -> Iterator[str]:
     """Materials and thicknesses: a set of triangles for each pair of them."""
-    section, mesh = structure.section, structure.space
-    every = np.arange(len(mesh.triangles))
+    section = structure.section
     if not section.constant_per_triangle:
         raise InputError("thickness: it varies inside of triangles, which is not written into .inp files")
-    thickness = section.thickness(every, mesh.points[mesh.triangles].mean(axis=1)[:, None])[:, 0]
+    thickness = section.thickness_per_triangle
     offset = np.broadcast_to(structure.offset, thickness.shape)
     number = section.part_numbers
     for k, part in enumerate(section.parts):

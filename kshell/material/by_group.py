@@ -8,6 +8,7 @@ what is given for all.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,30 +35,36 @@ class Key:
     Attributes
     ----------
     values : list of (name of the group or "", value)
+    everywhere : int or None
+        Place in `values` of what is given once for all, NOTHING if it is not given; None of values by group.
     number : (triangle,)
         Place in `values`, NOTHING where there is none.
     """
 
     def __init__(self, name: str, given: Any, mesh: Mesh) -> None:
         self.name = name
-        self.values: list[tuple[str, Any]] = []
-        self.number = np.full(len(mesh.triangles), NOTHING, dtype=np.int32)
-        if given is None:
-            return
-        if not isinstance(given, Mapping):
-            self.values.append(("", given))
-            self.number[:] = 0
-            return
+        self._count = len(mesh.triangles)
+        self.everywhere: int | None = NOTHING if given is None else 0
+        self.values: list[tuple[str, Any]] = [] if given is None else [("", given)]
+        if isinstance(given, Mapping):
+            self.everywhere, self.values = None, []
+            self._by_group(given, mesh)
+
+    @cached_property
+    def number(self) -> Ints:
+        return np.full(self._count, NOTHING if self.everywhere is None else self.everywhere, dtype=np.int32)
+
+    def _by_group(self, given: Mapping[str, Any], mesh: Mesh) -> None:
         for group, value in given.items():
             if group == ELSE:
                 continue
-            members = select(mesh, group, dimensions=(2,), what=name).members
+            members = select(mesh, group, dimensions=(2,), what=self.name).members
             taken = members[self.number[members] != NOTHING]
             if len(taken):
                 other = self.values[self.number[taken[0]]][0]
                 raise InputError(
-                    f'{name}: the groups "{other}" and "{group}" overlap ({len(taken)} triangles, one at '
-                    f"{place(mesh.points[mesh.triangles[taken[0]]].mean(axis=0))}): each place needs one {name}"
+                    f'{self.name}: the groups "{other}" and "{group}" overlap ({len(taken)} triangles, one at '
+                    f"{place(mesh.points[mesh.triangles[taken[0]]].mean(axis=0))}): each place needs one {self.name}"
                 )
             self.number[members] = len(self.values)
             self.values.append((group, value))
@@ -90,11 +97,10 @@ def parts_of(mesh: Mesh, thickness: Any, material: Any, layers: Any, section: An
             ("section", section),
         )
     ]
-    if all(len(key.values) <= 1 and key.number[0] == key.number[-1] for key in keys) and not any(
-        isinstance(given, Mapping) for given in (thickness, material, layers, section)
-    ):
+    for_all = tuple(key.everywhere for key in keys if key.everywhere is not None)
+    if len(for_all) == len(keys):
         one = np.zeros(len(mesh.triangles), dtype=np.int32)
-        return [_part(keys, tuple(int(key.number[0]) for key in keys), mesh, one)], one
+        return [_part(keys, for_all, mesh, one)], one
     rows = np.stack([key.number for key in keys], axis=1)
     combinations, number = np.unique(rows, axis=0, return_inverse=True)
     number = number.reshape(-1).astype(np.int32)
@@ -148,6 +154,8 @@ def _at(mesh: Mesh, triangles: Ints) -> str:
 
 def per_triangle(mesh: Mesh, name: str, given: Any, absent: Any) -> NDArray[np.float64]:
     """(triangle, ...) values of a key of numbers or vectors, `absent` where it has none."""
+    if given is None:
+        return np.full((len(mesh.triangles), *np.shape(absent)), absent, dtype=float)
     key = Key(name, given, mesh)
     values = np.array([value for _, value in key.values] + [absent], dtype=float)
     return values[key.number]

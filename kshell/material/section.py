@@ -99,6 +99,8 @@ class Section:
 
     @staticmethod
     def _thickness(part: Part, points: Floats) -> Floats:
+        if isinstance(part.thickness, float) and 0.0 < part.thickness < np.inf:
+            return np.full(points.shape[:-1], part.thickness)
         t = values_at(part.thickness, points, what=part.what)
         if t.size and not t.min() > 0.0:
             worst = points.reshape(-1, 3)[t.argmin()]
@@ -120,6 +122,16 @@ class Section:
         (n, q) array, > 0.
         """
         return self._gather(triangles, points, (), lambda part, t: t)
+
+    @property
+    def thickness_per_triangle(self) -> Floats:
+        """(triangle,) thickness in the middle of each."""
+        count = len(self._mesh.triangles)
+        if self._uniform:
+            return np.full(
+                count, self.thickness(np.zeros(1, dtype=np.int64), self._mesh.points[None, :1])[0, 0]
+            )
+        return self.thickness(np.arange(count), self._centroids[:, None])[:, 0]
 
     def bending(self, triangles: Ints, points: Floats) -> Floats:
         """(n, q, 3, 3) stiffness D at points (n, q, 3) of triangles (n,), force times length."""
@@ -166,6 +178,13 @@ class Section:
     def part_of(self, triangle: int) -> Part:
         """The cross-section that a triangle has."""
         return self.parts[self._part[triangle]]
+
+    @property
+    def has_yield_stress(self) -> bool:
+        """Whether a yield stress is given somewhere."""
+        return any(
+            part.yield_stress(face) is not None for part in self.parts for face in (BOTTOM, MIDDLE, TOP)
+        )
 
     def yield_stress(self, face: int) -> Floats:
         """(triangle,) yield stress at the bottom (-1), in the middle (0), at the top (1); infinite where not given."""
@@ -220,8 +239,7 @@ class Section:
         single = [part.materials[0] if len(part.materials) == 1 else None for part in self.parts]
         if not any(getattr(material, "hardening", None) for material in single):
             return Inelastic(relaxation)
-        every = np.arange(len(self._mesh.triangles))
-        yielding = yielding_of(single, self._part, self.thickness(every, self._centroids[:, None])[:, 0])
+        yielding = yielding_of(single, self._part, self.thickness_per_triangle)
         if relaxation and yielding is not None:
             raise InputError("material: hardening and relaxation given: leave one of them out")
         return Inelastic(relaxation, yielding)
@@ -244,14 +262,15 @@ class Section:
         """(triangle, 3, 3) stiffness D, where `constant_per_triangle` holds."""
         if not self.constant_per_triangle:
             raise ValueError("the thickness varies inside triangles: use bending(triangles, points)")
-        every = np.arange(len(self._mesh.triangles))
+        count = len(self._mesh.triangles)
         if self._uniform:  # one matrix for all, which takes no memory
-            return np.broadcast_to(self._bending, (len(every), 3, 3))
+            return np.broadcast_to(self.bending_everywhere, (count, 3, 3))
+        every = np.arange(count)
         return self.bending(every, self._centroids[:, None])[:, 0]
 
     @cached_property
-    def _bending(self) -> Floats:
-        """(3, 3) D where it is the same everywhere."""
+    def bending_everywhere(self) -> Floats:
+        """(3, 3) D, where `uniform` holds."""
         return self.bending(np.zeros(1, dtype=np.int64), self._mesh.points[None, :1])[0, 0]
 
     def mass(self, triangles: Ints, points: Floats) -> Floats:

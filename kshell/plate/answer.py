@@ -13,7 +13,6 @@ from kshell.material.section import Section
 from kshell.material.tensors import principal, von_mises
 from kshell.mesh.mesh import Mesh
 from kshell.plate.assembly import Part, residual
-from kshell.plate.domain import Domain
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.reactions import ReactionFinder
@@ -99,7 +98,7 @@ def _recovered(
         fields=vertex_fields(fields),
         rows=fields.rows,
         nodal_values=NODAL_VALUES,
-        cell_fields=cell_fields(problem.section, problem.domain, fields),
+        cell_fields=cell_fields(problem.section, fields),
         unknowns=problem.reduction.count,
         model={},
         title=problem.structure.title,
@@ -190,12 +189,8 @@ def vertex_fields(fields: Fields) -> Deferred[Floats]:
     return Deferred({**makers, "principal_moments": lambda: principal(fields.fan_forces[0])})
 
 
-def cell_fields(section: Section, domain: Domain, fields: Fields) -> Deferred[NDArray[Any]]:
+def cell_fields(section: Section, fields: Fields) -> Deferred[NDArray[Any]]:
     """Thickness of triangles and moments in their middles."""
-    mesh = domain.mesh
-
-    def thickness() -> Floats:
-        centroids = mesh.points[mesh.triangles].mean(axis=1)[:, None]
-        return section.thickness(np.arange(len(mesh.triangles)), centroids)[:, 0]
-
-    return Deferred({"thickness": thickness, "moment": lambda: fields.centroid_moments})
+    return Deferred(
+        {"thickness": lambda: section.thickness_per_triangle, "moment": lambda: fields.centroid_moments}
+    )

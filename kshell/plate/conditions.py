@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,8 +27,10 @@ class Conditions:
         Lists of (n,) edges, (n,) triangles, (n, local) rows on physical degrees of freedom and their (n,) values, which
         determine the edges' degrees of freedom from the others of the triangle.
     slope_vertices, slopes
-        Lists of (n,) vertices and (n, 2) directions in which the slope vanishes, for multigrid: what holds
-        along an edge, whether the element has gradients at its vertices or not.
+        Lists of (n,) vertices and (n, 2) directions in which the slope vanishes, for multigrid.
+    along
+        Lists of (n, end) vertices and (n, end, 2) tangents of edges, and whether the slope vanishes along and across
+        them, for multigrid, too: what holds along an edge, whether the element has gradients at its vertices or not.
     """
 
     fans: list[Ints] = field(default_factory=list)
@@ -41,6 +44,17 @@ class Conditions:
     triangle_values: list[Floats] = field(default_factory=list)
     slope_vertices: list[Ints] = field(default_factory=list)
     slopes: list[Floats] = field(default_factory=list)
+    along: list[tuple[NDArray[np.integer], Floats, bool, bool]] = field(default_factory=list)
+
+    def vanishing_slopes(self) -> Iterator[tuple[Ints, Floats]]:
+        """(n,) vertices and (n, 2) directions in which the slope vanishes there."""
+        yield from zip(self.slope_vertices, self.slopes, strict=True)
+        for ends, tangents, along, across in self.along:
+            t, vertices = tangents.reshape(-1, 2), ends.ravel().astype(np.int64)
+            if along:
+                yield vertices, t
+            if across:
+                yield vertices, np.stack([t[:, 1], -t[:, 0]], axis=1)
 
     def at_vertices(self, fans: NDArray[np.integer], rows: Floats, values: Floats | float = 0.0) -> None:
         """Add one row per fan, or vertex; rows are normalised here."""

@@ -32,22 +32,21 @@ def corner_angles(mesh: Mesh, shape: EdgeCurves | None = None) -> dict[int, floa
     ``shape`` of the boundary edges saves rebuilding it where it is known.
     """
     curves = edge_curves(mesh, mesh.boundary_edges) if shape is None else shape
-    ends = mesh.edges[curves.edges]
-    tangents: dict[int, list[Floats]] = {}
-    for k, pair in enumerate(ends.tolist()):
-        for end, v in enumerate(pair):
-            tangents.setdefault(v, []).append(curves.tangent[k, end])
-    corners = {v for v, t in tangents.items() if len(t) == 2 and abs(float(t[0] @ t[1])) < SMOOTH}
-    if not corners:
+    count, at = len(mesh.points), mesh.edges[curves.edges].ravel()
+    if not len(at):
         return {}
-    at_corner = np.zeros(len(mesh.points), dtype=bool)
-    at_corner[np.array(sorted(corners), dtype=np.int64)] = True
+    x, y = (np.bincount(at, curves.tangent[..., k].ravel(), count) for k in range(2))
+    # of two unit vectors |a + b|^2 = 2 + 2 a.b
+    cosine = 0.5 * (x * x + y * y) - 1.0
+    at_corner = (np.bincount(at, minlength=count) == 2) & (np.abs(cosine) < SMOOTH)
+    if not at_corner.any():
+        return {}
     triangle, local = np.nonzero(at_corner[mesh.triangles])
     vertex, after, before = (mesh.triangles[triangle, (local + step) % 3] for step in range(3))
     a, b = mesh.points[after] - mesh.points[vertex], mesh.points[before] - mesh.points[vertex]
     cosine = (a * b).sum(1) / np.sqrt((a * a).sum(1) * (b * b).sum(1))
-    total = np.bincount(vertex, np.arccos(np.clip(cosine, -1, 1)), len(mesh.points))
-    return {v: float(total[v]) for v in corners}
+    total = np.bincount(vertex, np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0)), count)
+    return {v: float(total[v]) for v in np.flatnonzero(at_corner).tolist()}
 
 
 def infinite_moments(mesh: Mesh, supports: Supports, angles: Mapping[int, float]) -> dict[int, str]:

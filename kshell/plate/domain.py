@@ -103,10 +103,14 @@ class Domain:
         self.mesh = mesh
         self.points: Floats = np.ascontiguousarray(mesh.points[:, :2])
         none = np.zeros(0, dtype=np.int32)
+        self.curves: EdgeCurves
+        self.bent: Ints
         self.boundary: EdgeCurves = edge_curves(mesh, mesh.boundary_edges if curved else none)
-        inner = edge_curves(mesh, none if lines is None or not curved else lines.astype(np.int32))
-        self.curves: EdgeCurves = joined_curves(self.boundary, inner) if len(inner.edges) else self.boundary
-        self.bent: Ints = inner.edges[inner.curved].astype(np.int64)
+        self.curves, self.bent = self.boundary, none.astype(np.int64)
+        if curved and lines is not None and len(lines):
+            inner = edge_curves(mesh, lines.astype(np.int32))
+            self.curves = joined_curves(self.boundary, inner)
+            self.bent = inner.edges[inner.curved].astype(np.int64)
         curved_edges = self.curves.edges[self.curves.curved]
         self.curved_triangles: Ints = distinct(len(mesh.triangles), mesh.edge_owner[curved_edges, 0])
         if len(self.bent):
@@ -290,9 +294,9 @@ class Domain:
     @cached_property
     def moments_of_area(self) -> Floats:
         """(3,) area, and integrals of x and y."""
-        straight = ~self.is_curved
-        areas, centres = self.mesh.areas[straight], self.points[self.mesh.triangles[straight]].mean(axis=1)
-        total = np.array([areas.sum(), *(areas @ centres)])
+        mesh = self.mesh
+        areas = np.where(self.is_curved, 0.0, mesh.areas) if len(self.curved_triangles) else mesh.areas
+        total = np.array([areas.sum(), *(areas @ self.points[mesh.triangles].sum(axis=1) / 3.0)])
         for start in range(0, len(self.curved_triangles), BLOCK):
             patch = self.curved_patch(self.curved_triangles[start : start + BLOCK], 1)
             total += [patch.weights.sum(), *(patch.weights[..., None] * patch.xy).sum(axis=(0, 1))]

@@ -84,13 +84,7 @@ class EdgeHolder:
             at = 0.0 if value is None else value(self.domain.points[vertices])
             self.conditions.at_vertices(vertices, np.ones((len(vertices), 1)), at)
         place_in = curves.place(edges)
-        for end in range(2):
-            t = curves.tangent[place_in, end]
-            directions = [t] if holds_w else []
-            directions += [np.stack([t[:, 1], -t[:, 0]], axis=1)] if holds_r else []
-            for direction in directions:
-                self.conditions.slope_vertices.append(ends[:, end].astype(np.int64))
-                self.conditions.slopes.append(direction)
+        self.conditions.along.append((ends, curves.tangent[place_in], holds_w, holds_r))
         if self.rich:
             g = self._along(value, edges)
             s = self._along(slope, edges)

@@ -295,10 +295,11 @@ class PlateProblem:
         gross = sum(form.gross(size) for form in loads.forms)
         return drift_warning(self.hanging, left, gross, self.reduction.count, largest)
 
-    def warnings(self) -> list[str]:
-        """What the user should know about the model."""
+    def warnings(self, loads: Loads | None = None) -> list[str]:
+        """What the user should know about the model, under its own loads or other ones."""
+        loads = self.loads if loads is None else loads
         corners = singular_corners(self.mesh, self.singular, self.corner_angles)
-        out = [*self.supports.warnings, *self.loads.warnings, *corners]
+        out = [*self.supports.warnings, *loads.warnings, *corners]
         ends = self.layout.fans.ends
         if len(ends):
             out.append(
@@ -321,7 +322,7 @@ class PlateProblem:
                 "(a Poisson's ratio near -1), and errors of mesh and rounding grow with that: deflections may be "
                 f"off by {min(ratio * AMPLIFIED, 1.0):.0e} of themselves; check the elastic constants"
             )
-        if not self.loads.forms and not np.any(self.reduction.particular):
+        if not loads.forms and not np.any(self.reduction.particular):
             out.append("there is no load and no prescribed motion: the deflection is zero")
         return out
 

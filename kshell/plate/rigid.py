@@ -85,16 +85,15 @@ def require_held(
         else:
             np.add.at(gram, member, rows[:, :, None] * rows[:, None, :])
 
-    piece_of_vertex = np.zeros(len(mesh.points), dtype=np.int64)
-    piece_of_vertex[mesh.triangles.ravel()] = np.repeat(piece, 3)
     if conditions.fans:
+        piece_of_vertex = np.zeros(len(mesh.points), dtype=np.int64)
+        piece_of_vertex[mesh.triangles] = piece[:, None]
         vertices = layout.fans.vertex[np.concatenate(conditions.fans)]
         member = piece_of_vertex[vertices]
         motion = _rigid_at_vertices(layout, vertices, centres[member], sizes[member])
         add((np.concatenate(conditions.rows)[:, None] @ motion)[:, 0], member)
-    edge_piece = piece[mesh.edge_owner[:, 0]]
     for edges in conditions.edges:
-        member = edge_piece[edges]
+        member = piece[mesh.edge_owner[edges, 0]]
         ends = domain.points[mesh.edges[edges]]
         t = (ends[:, 1] - ends[:, 0]) / mesh.edge_lengths[edges][:, None]
         slope = np.stack([np.zeros(len(edges)), t[:, 1], -t[:, 0]], axis=1)
@@ -103,7 +102,7 @@ def require_held(
         member = piece[triangles]
         motion = rigid_of_triangles(domain, layout, triangles, centres[member], sizes[member])
         add((rows[:, None] @ motion)[:, 0] * sizes[member][:, None], member)
-    by_conditions, stiffness = gram.copy(), np.zeros_like(gram)
+    by_conditions, stiffness = (gram.copy(), np.zeros_like(gram)) if springs else (gram, gram)
     for spring in springs:
         for positions, triangles in spring.blocks():
             member = piece[triangles]
@@ -143,9 +142,6 @@ def _extent(mesh: Mesh, piece: Ints, count: int) -> tuple[Floats, Floats]:
         middle = x.mean(axis=0)
         return middle[None], np.abs(x - middle).max(keepdims=True)[0]
     corners = mesh.points[mesh.triangles, :2].reshape(-1, 2)
-    if count == 1:
-        middle = corners.sum(axis=0) / len(corners)
-        return middle[None], np.abs(corners - middle).max(keepdims=True)[0]
     label = np.repeat(piece, 3)
     number = np.bincount(label, minlength=count)
     centre = np.stack([np.bincount(label, corners[:, k], count) / number for k in range(2)], axis=1)

@@ -22,7 +22,7 @@ def plate_space(domain: Domain, layout: Layout, conditions: Conditions, reductio
         row = np.zeros((int(here.sum()), 3))
         row[:, : min(3, rows.shape[1])] = rows[here, :3]
         np.add.at(gram, layout.fans.vertex[fans[here]], row[:, :, None] * row[:, None, :])
-    for vertices, slopes in zip(conditions.slope_vertices, conditions.slopes, strict=True):
+    for vertices, slopes in conditions.vanishing_slopes():
         row = np.concatenate([np.zeros((len(vertices), 1)), slopes], axis=1)
         np.add.at(gram, vertices, row[:, :, None] * row[:, None, :])
     value, basis = np.tile(np.zeros(3), (n, 1)), np.tile(np.eye(3), (n, 1, 1))

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.distinct import distinct
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import place
 from kshell.result.deferred import Deferred
@@ -93,21 +94,21 @@ def _ends(structure: Structure) -> NDArray[np.integer]:
 def _ends_inside(structure: Structure) -> NDArray[np.integer]:
     """Vertices inside at which a line that is held, or the border of a surface that is, ends or turns sharply."""
     mesh = structure.space
-    inside = mesh.edge_counts > 1
-    held = np.zeros(len(mesh.edges), dtype=bool)
+    found: list[NDArray[np.integer]] = [np.zeros(0, dtype=np.int64)]
     for support in structure.supports:
         if support.place is None or not support.item.freedoms or isinstance(support.item, Elastic):
             continue
+        members = support.place.members
         if support.place.dimension == 1:
-            held[support.place.members] = True
+            found.append(members[mesh.edge_counts[members] > 1])
         elif support.place.dimension == 2:
-            count = np.bincount(mesh.triangle_edges[support.place.members].ravel(), minlength=len(mesh.edges))
-            held |= (count > 0) & (count < mesh.edge_counts)
-    lines = np.flatnonzero(held & inside)
-    if not len(lines):
-        return np.zeros(0, dtype=np.int64)
+            count = np.bincount(mesh.triangle_edges[members].ravel(), minlength=len(mesh.edges))
+            found.append(np.flatnonzero((count > 0) & (count < mesh.edge_counts)))
+    if not any(len(lines) for lines in found):
+        return found[0]
+    lines = distinct(len(mesh.edges), *found)
     outer = np.zeros(len(mesh.points), dtype=bool)
-    outer[mesh.edges[~inside]] = True
+    outer[mesh.edges[mesh.boundary_edges]] = True
     around: dict[int, list[Floats]] = {}
     for ends in mesh.edges[lines].tolist():
         along = mesh.points[ends[1]] - mesh.points[ends[0]]
@@ -211,9 +212,7 @@ def _stresses(result: Result) -> Iterator[Floats]:
 def _reach(structure: Structure, vertices: list[int]) -> list[float]:
     """How far each peak reaches: the thickness, or the two triangles next to it."""
     mesh: Mesh = structure.space
-    every = np.arange(len(mesh.triangles))
-    centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
-    thickness = structure.section.thickness(every, centres)[:, 0]
+    thickness = structure.thickness
     out = []
     for vertex in vertices:
         around = np.flatnonzero((mesh.triangles == vertex).any(axis=1))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from kshell.errors import InputError
 from kshell.material.section import shell_section
 from kshell.mesh.mesh import Mesh
@@ -64,6 +62,4 @@ def curved(scene: Scene, mesh: Mesh) -> Mesh:
         section = shell_section(mesh, scene.thickness, scene.material, scene.layers, scene.section)
     except InputError:
         return mesh  # said with all else that is wrong with the section where it is used
-    centres = mesh.points[mesh.triangles].mean(axis=1)[:, None]
-    thickness = section.thickness(np.arange(len(mesh.triangles)), centres)[:, 0]
-    return curve(mesh, thickness, scene.facets, scene.crease)
+    return curve(mesh, section.thickness_per_triangle, scene.facets, scene.crease)

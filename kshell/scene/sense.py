@@ -97,11 +97,13 @@ def _lost(
     # what turns about any axis is held where the place is, too; what pushes along a normal that varies, along all axes
     along_normal = item.components is None and not turns
     needed = ("z" if flat else "xyz") if isinstance(item, PointMoment) or along_normal else ""
+    able = [p for p in supports if _covers(p, load) and set(needed) <= set(p.item.freedoms)]
+    if not able:
+        return
     for letter, axis in _directions(supports, turns):
         if not turns and not _pushes(load, axis, space):
             continue
-        holders = [p for p in supports if p.link is load.link and _holds(p.item, letter, axis, flat)]
-        holders = [p for p in holders if set(needed) <= set(p.item.freedoms)]
+        holders = [p for p in able if _holds(p.item, letter, axis, flat)]
         chosen = load.members(space)
         found = [_within(p, load, space) for p in holders]
         if not found or not np.isin(chosen, np.concatenate(found)).all():
@@ -109,6 +111,13 @@ def _lost(
         first = next(p for p, part in zip(holders, found, strict=True) if np.isin(part, chosen).any())
         yield _lost_words(item, first.item, letter, axis)
         return
+
+
+def _covers(held: Placed[Support], load: Placed[Load]) -> bool:
+    """Whether a support may be on all that a load is on: lines on no surface, springs on nothing, as they give way."""
+    if held.link is not load.link or isinstance(held.item, Elastic):
+        return False
+    return held.link is not None or (held.place is not None and held.place.dimension >= _dimension(load))
 
 
 def _lost_words(load: Load, support: Support, letter: str, axis: Floats) -> str:
@@ -153,7 +162,7 @@ def _directions(supports: Sequence[Placed[Support]], turns: bool) -> Iterator[tu
 
 def _holds(support: Any, letter: str, axis: Floats, flat: bool) -> bool:
     """Whether a support holds a direction (or, for "r", the rotation about the edge)."""
-    if isinstance(support, Elastic) or letter not in support.freedoms:
+    if letter not in support.freedoms:
         return False
     if flat and isinstance(support, SimplySupported) and letter in "xy":
         return False  # such an edge of a plate is free to move in the plane, unless the plate is taken as a shell
@@ -167,8 +176,7 @@ def _within(held: Placed[Support], load: Placed[Load], space: Mesh) -> Ints:
     if held.link is not None:  # the point of a link, which the load is on
         return load.members(space)
     dimension = _dimension(load)
-    if held.place is None or held.place.dimension < dimension:
-        return np.zeros(0, dtype=np.int64)
+    assert held.place is not None  # see `_covers`
     members = held.place.members
     if held.place.dimension == dimension:
         return members

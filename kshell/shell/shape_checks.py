@@ -49,15 +49,14 @@ def shape_warnings(mesh: Mesh, discretisation: Discretisation, section: Section)
 
 
 def _thick(mesh: Mesh, discretisation: Discretisation, section: Section) -> list[str]:
-    triangles = np.arange(len(mesh.triangles))
-    centres = mesh.points[mesh.triangles].mean(axis=1)
-    t = section.thickness(triangles, centres[:, None])[:, 0]
+    t = section.thickness_per_triangle
     curvature = discretisation.largest_curvature()
     worst = int(np.argmax(t * curvature))
     if t[worst] * curvature[worst] <= THICK:
         return []
+    centre = mesh.points[mesh.triangles[worst]].mean(axis=0)
     return [
-        f"the shell is thick: at {place(centres[worst])} the thickness {t[worst]:.4g} is more than half of the radius "
+        f"the shell is thick: at {place(centre)} the thickness {t[worst]:.4g} is more than half of the radius "
         f"of curvature {1 / curvature[worst]:.4g}; a thin-shell model is not to be trusted there"
     ]
 
@@ -69,8 +68,7 @@ def _locking(mesh: Mesh, discretisation: Discretisation, section: Section) -> li
         return []
     if mesh.curving is not None and mesh.curving.order == 1:
         return []  # what the vertices do not tell is worse, and said
-    centres = mesh.points[mesh.triangles].mean(axis=1)
-    t = float(section.thickness(np.arange(len(mesh.triangles)), centres[:, None]).min())
+    t = float(section.thickness_per_triangle.min())
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     if t >= (THINNEST if argyris else THINNEST_LINEAR) * size:
         return []

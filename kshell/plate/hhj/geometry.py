@@ -30,6 +30,9 @@ Ints = NDArray[np.int64]
 
 # the local edge between two local vertices, by the vertex that is not on it
 FACING = np.array([1, 2, 0])
+FIRST, SECOND = EDGE_VERTICES.T
+TURN = np.array([1.0, -1.0])  # of components in reverse: by -90 degrees
+WALKED = np.array([1.0, 1.0, -1.0])  # sense of the edges where a triangle is walked around
 GRADIENTS = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the hats on the reference triangle
 
 
@@ -58,24 +61,25 @@ class Triangles:
 
     def __init__(self, mesh: Mesh, domain: Domain | None = None) -> None:
         self.mesh, self.domain = mesh, domain
-        order = self.order = np.argsort(mesh.triangles, axis=1)
-        self.corners: Ints = np.take_along_axis(mesh.triangles, order, axis=1).astype(np.int64)
-        own = FACING[3 - order[:, EDGE_VERTICES].sum(axis=2)]  # the mesh's local edge at each place here
-        self.edges: Ints = np.take_along_axis(mesh.triangle_edges, own, axis=1).astype(np.int64)
-        self.local: Ints = np.argsort(own, axis=1)
-        x = mesh.points[:, :2][self.corners]
+        order = self.order = mesh.triangles.argsort(axis=1)
+        row = np.arange(len(order))[:, None]
+        self.corners: Ints = mesh.triangles[row, order].astype(np.int64)
+        own = FACING[3 - order[:, FIRST] - order[:, SECOND]]  # the mesh's local edge at each place here
+        self.edges: Ints = mesh.triangle_edges[row, own].astype(np.int64)
+        self.local: Ints = own.argsort(axis=1)
+        x = mesh.points[self.corners, :2]
         self.origin = x[:, 0]
-        d = x[:, EDGE_VERTICES[:, 1]] - x[:, EDGE_VERTICES[:, 0]]  # (T, edge, xy)
+        d = x[:, SECOND] - x[:, FIRST]  # (T, edge, xy)
         a, b = d[:, 0], d[:, 2]
         signed = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
         self.area = np.abs(signed)
         h = np.empty((len(x), 2, 2))
         h[:, 0, 0], h[:, 0, 1], h[:, 1, 0], h[:, 1, 1] = b[:, 1], -b[:, 0], -a[:, 1], a[:, 0]
         self.inverse = h / signed[:, None, None]
-        self.sides = np.stack([a, b], axis=2)  # columns: the map x = origin + sides xi
+        self.sides = d[:, ::2].swapaxes(1, 2)  # columns: the map x = origin + sides xi
         self.lengths = np.sqrt((d * d).sum(axis=2))
-        self.normals = np.stack([d[..., 1], -d[..., 0]], axis=2) / self.lengths[..., None]
-        self.outward = np.sign(signed)[:, None] * np.array([1.0, 1.0, -1.0])
+        self.normals = d[..., ::-1] * TURN / self.lengths[..., None]
+        self.outward = np.sign(signed)[:, None] * WALKED
 
     def __len__(self) -> int:
         return len(self.corners)

@@ -102,9 +102,7 @@ class HHJModel(Model):
         return self.system().count
 
     def warnings(self) -> list[str]:
-        problem = copy.copy(self.problem)
-        problem.loads = self.loads
-        return problem.warnings()
+        return self.problem.warnings(self.loads)
 
     def warmth(self) -> list[Placed[Load]]:
         return [placed for _, placed in self.loads.warmth]
@@ -178,7 +176,7 @@ class HHJModel(Model):
             fields=vertex_fields(fields),
             rows=fields.rows,
             nodal_values=NODAL_VALUES,
-            cell_fields=cell_fields(problem.section, problem.domain, fields),
+            cell_fields=cell_fields(problem.section, fields),
             unknowns=system.count,
             model={},
             title=self.structure.title,

@@ -6,6 +6,7 @@ vertices both are means over the triangles around, by area.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from itertools import permutations
 from typing import Any
@@ -15,8 +16,10 @@ from numpy.typing import NDArray
 
 from kshell.elements.hierarchic import orthonormal
 from kshell.mesh.distinct import distinct
+from kshell.mesh.mesh import Mesh
 from kshell.plate.along_supports import AlongSupports
 from kshell.plate.domain import EdgePatch
+from kshell.plate.held import HeldGroup
 from kshell.plate.hhj.along import HHJLineForces
 from kshell.plate.hhj.finer import FinerDeflection
 from kshell.plate.hhj.state import HHJSolution
@@ -182,41 +185,46 @@ def _along_arcs(
         turning[number] -= missed[here] * arcs.pure[here, edge, None]
 
 
+def _shared(works: list[Floats], groups: list[HeldGroup], mesh: Mesh) -> Iterator[tuple[str, Floats]]:
+    """Of each group its label and (3,) work: of vertices, edges and lines, each shared by the groups that hold it."""
+    held = [
+        (distinct(len(mesh.points), group.points, mesh.edges[group.line]), group.edges, group.line)
+        for group in groups
+    ]
+    if len(groups) > 1:
+        shares = [
+            np.bincount(np.concatenate(parts), minlength=len(work))
+            for work, parts in zip(works, zip(*held, strict=True), strict=False)
+        ]
+        works = [work / np.maximum(share, 1)[:, None] for work, share in zip(works, shares, strict=True)]
+    for group, own in zip(groups, held, strict=True):
+        parts = (work[part] for work, part in zip(works, own, strict=False) if len(part))
+        yield group.label, sum((part.sum(axis=0) for part in parts), np.zeros(3))
+
+
 def reactions(
     problem: PlateProblem, loads: Loads, system: HHJSystem, solution: HHJSolution, fields: HHJFields
 ) -> Reactions:
     """Forces of the supports on the plate, by the work of what is left over on rigid motions."""
     mesh, triangles, numbering = problem.mesh, system.triangles, system.numbering
     points = mesh.points[:, :2]
-    centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    size = float(np.abs(points - centre).max())
+    low, high = points.min(axis=0), points.max(axis=0)
+    centre, size = 0.5 * (low + high), 0.5 * float((high - low).max())
     residual, spring_forces = _exerted(system, solution)
 
-    arms = points - centre
-    motions = np.stack([np.ones(len(points)), arms[:, 1], -arms[:, 0]], axis=1)  # (vertex, 3)
-    tangent = (points[mesh.edges[:, 1]] - points[mesh.edges[:, 0]]) / mesh.edge_lengths[:, None]
-    turns = np.stack([np.zeros(len(tangent)), -tangent[:, 0], -tangent[:, 1]], axis=1)  # n of w = y, -x
-    turns *= mesh.edge_lengths[:, None]
-    first = residual[numbering.slope_start :: system.order][: numbering.edges]
-    turning = first[:, None] * turns  # (edge, 3) of the slopes
-    lifting = np.zeros_like(turning)  # of the bubbles, along arcs
+    motions = np.ones((len(points), 3))
+    motions[:, 1], motions[:, 2] = points[:, 1] - centre[1], centre[0] - points[:, 0]
+    turns = np.zeros((len(mesh.edges), 3))  # slopes of w = y, -x: n along the tangent turned by -90 degrees
+    turns[:, 1:] = points[mesh.edges[:, 0]] - points[mesh.edges[:, 1]]
+    turning = residual[numbering.slope_start :: system.order, None] * turns  # (edge, 3)
+    works = [residual[: numbering.vertices, None] * motions, turning]
     if system.arcs is not None:
-        _along_arcs(system, solution, residual, motions, lifting, turning)
+        works.append(np.zeros_like(turning))  # of the bubbles
+        _along_arcs(system, solution, residual, motions, works[2], turning)
 
-    groups = problem.supports.held
-    corners = [distinct(len(points), g.points, mesh.edges[g.line]) for g in groups]
-    share = np.zeros(len(points))
-    share_edges, share_lines = np.zeros(len(mesh.edges)), np.zeros(len(mesh.edges))
-    for vertices, group in zip(corners, groups, strict=True):
-        share[vertices] += 1.0
-        share_edges[group.edges] += 1.0
-        share_lines[group.line] += 1.0
     totals: dict[str, Floats] = {}
-    for vertices, group in zip(corners, groups, strict=True):
-        force = (residual[vertices] / share[vertices]) @ motions[vertices]
-        force = force + (turning[group.edges] / share_edges[group.edges, None]).sum(axis=0)
-        force = force + (lifting[group.line] / share_lines[group.line, None]).sum(axis=0)
-        totals[group.label] = totals.get(group.label, np.zeros(3)) + force
+    for label, force in _shared(works, problem.supports.held, mesh):
+        totals[label] = totals.get(label, 0.0) + force
     for spring, force in zip(system.springs, spring_forces, strict=True):
         rigid = np.zeros((len(triangles), system.tables.count, 3))[spring.triangles]
         rigid[:, :3] = motions[triangles.corners[spring.triangles]]

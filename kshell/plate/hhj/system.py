@@ -7,6 +7,7 @@ the matrix itself would leave eps / h^4 of the deflection, and moments out of eq
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -220,17 +221,18 @@ class HHJSystem:
         u = np.zeros((len(self.triangles), self.tables.count))
         if prescribed is not None:
             u[:, :o] = d[numbering.outer]
+        at_rest = prescribed is None and load.initial is None
+        vertices = load.vertices[numbering.free[: numbering.vertices]]
         sizes: list[float] = []
         for _ in range(STEPS):
-            residual = self._residual(load, u)
+            residual = load.local if at_rest and not sizes else self._residual(load, u)
             inner = (self.inner_inverse @ residual[:, o:, None])[..., 0]
             # back^T f_i = K_oi K_ii^-1 f_i
             right = numbering.gather(residual[:, :o] - (residual[:, None, o:] @ self.back)[:, 0])
-            at_vertices = load.vertices[numbering.free[: numbering.vertices]]
-            right[: len(at_vertices)] += at_vertices
+            right[: len(vertices)] += vertices
             free = self.solver(right) if len(right) else right
             own = float((inner * residual[:, o:]).sum())
-            sizes.append(float(np.sqrt(abs(free @ right) + abs(own))))
+            sizes.append(math.sqrt(abs(free @ right) + abs(own)))
             step = numbering.scatter(free)
             d = d + step
             local = step[numbering.outer]
@@ -299,12 +301,11 @@ def _dense(n: int, at: Ints, outer: Floats) -> Solve | None:
     """Dense Cholesky; None where the matrix is singular or nearly so, for a sparse solver to find words."""
     from scipy.linalg.lapack import dpotrf, dpotrs
 
-    live = at < n
-    both = live[:, :, None] & live[:, None]
-    place = at[:, :, None] * n + at[:, None]
-    full = np.bincount(place[both], outer[both], n * n).reshape(n, n)
-    diagonal = full.diagonal().copy()
-    if not (np.isfinite(diagonal).all() and (diagonal > 0).all()):
+    place = at[:, :, None] * (n + 1) + at[:, None]  # what is held has a row of its own
+    whole = np.bincount(place.ravel(), outer.ravel(), (n + 1) * (n + 1)).reshape(n + 1, n + 1)
+    full = np.ascontiguousarray(whole[:n, :n])
+    diagonal = full.diagonal()
+    if not (diagonal.min() > 0.0 and diagonal.max() < np.inf):
         return None
     factor, info = dpotrf(full.T, lower=1, clean=0)
     if info != 0:

@@ -69,17 +69,17 @@ class Tables:
     load: Floats
     deflection: Ints
 
-    @property
+    @cached_property
     def moments(self) -> int:
         """Number k of moment functions per component."""
         return polynomial_count(self.order - 1)
 
-    @property
+    @cached_property
     def outer(self) -> int:
         """Number of local unknowns that triangles share."""
         return 3 + 3 * (self.order - 1) + 3 * self.order
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number m of local unknowns."""
         return self.outer + polynomial_count(self.order - 3)

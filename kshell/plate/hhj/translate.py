@@ -38,8 +38,10 @@ VARYING = 6  # degree of a varying stiffness that is integrated exactly
 
 def bending_stiffness(section: Section) -> Floats:
     """C, (3, 3) where it is the same everywhere, else (T, 3, 3)."""
+    if section.uniform:
+        return section.bending_everywhere
     every = section.bending_per_triangle()
-    return np.array(every[0]) if every.strides[0] == 0 or len(every) == 1 else np.array(every)
+    return np.array(every[0] if len(every) == 1 else every)
 
 
 def held(triangles: Triangles, order: int, supports: Supports) -> Held:
