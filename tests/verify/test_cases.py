@@ -1,5 +1,5 @@
 """Every case with every element: values within what is allowed, balance, energy, and no warnings but the expected
-ones. Plates on all their meshes, shells once with each element and degree (`kshell verify` runs all)."""
+ones. Plates on all their meshes, shells once with each element and degree; their finer meshes in the full run."""
 
 import json
 
@@ -11,12 +11,23 @@ from kshell.verify.cases.case import HERE
 from kshell.verify.cases.collected import collected
 
 SHELLS = ("shell", "gmsh", "large")
-RUNS = [(one, run) for one in all_cases() for run in (one.quick_runs if one.family in SHELLS else one.runs)]
+RUNS = [
+    pytest.param(
+        one,
+        run,
+        id=f"{one.id}-{run.name}",
+        marks=pytest.mark.full if one.family in SHELLS and run not in one.quick_runs else (),
+    )
+    for one in all_cases()
+    for run in one.runs
+]
 UNBALANCED = 1e-6
 # Argyris elements on a chart know rigid rotations up to their interpolation only
 UNBALANCED_ON_CHART = 2e-3
 # bending is 1e10 times softer than stretching there: with SuperLU a few more digits are lost, and said to be
 VERY_THIN, UNBALANCED_VERY_THIN = "shell.quarter_circle.t1e-05", 1e-5
+# the iteration stops by work, at 1e-13 of the load's: forces that do little of it may be off by the root
+UNBALANCED_LARGE = 1e-5
 EXPECTED_WARNINGS = (
     "moments grow without bound",
     "stresses grow without bound",
@@ -28,11 +39,12 @@ EXPECTED_WARNINGS = (
     "beyond any linear theory",  # unit loads on unit moduli
     "more than any material bears",
     "too thick for this theory",  # NAFEMS FV22, which says by how much
+    "the load passes a limit point",  # shells that snap through, beyond which the references lie
     "that none was missed is not checked",  # where no back end that counts eigenvalues is installed
 )
 
 
-@pytest.mark.parametrize(("case", "run"), RUNS, ids=[f"{case.id}-{run.name}" for case, run in RUNS])
+@pytest.mark.parametrize(("case", "run"), RUNS)
 def test_case(case, run):
     result = case.solve(run)
     wrong = [
@@ -43,14 +55,19 @@ def test_case(case, run):
     assert not wrong, "\n".join(wrong)
     on_chart = run.element == "argyris" and case.family in SHELLS
     unbalanced = UNBALANCED_VERY_THIN if case.id == VERY_THIN else UNBALANCED
+    if case.family == "large":
+        unbalanced = UNBALANCED_LARGE
     assert result.balance < (UNBALANCED_ON_CHART if on_chart else unbalanced)
+    said = any("loads and reactions differ" in warning for warning in result.warnings)
+    assert said == (result.balance > UNBALANCED)
     # nothing moves by itself: the loads do as much work as is stored, but heat stores energy without any
     # and large deflections store less than the final load times the way
     heated = any(isinstance(load, ks.Temperature) for load in result.scene.loads)
     if not heated and not result.model["large_deflection"]:
         assert result.strain_energy == pytest.approx(result.external_work, rel=1e-7)
     if not on_chart and case.id != VERY_THIN:
-        unexpected = [w for w in result.warnings if not any(known in w for known in EXPECTED_WARNINGS)]
+        known = EXPECTED_WARNINGS + (("loads and reactions differ",) if case.family == "large" else ())
+        unexpected = [w for w in result.warnings if not any(words in w for words in known)]
         assert unexpected == []
 
 
