@@ -117,8 +117,7 @@ class Factoriser:
             if rows is not None and (basis.data == 1.0).all():
                 factor = dense_factor(stiffness[np.ix_(rows, rows)])
             else:
-                dense = basis.toarray()
-                factor = dense_factor(dense.T @ stiffness @ dense)
+                factor = dense_factor(basis.T @ np.ascontiguousarray((basis.T @ stiffness).T))
             if factor is not None:
                 return factor, np.diagonal(stiffness)
         if not (basis.shape[1] and FreePattern.possible(energy.sparsity, basis)):

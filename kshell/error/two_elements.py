@@ -20,6 +20,7 @@ triangle.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +55,10 @@ def assess_difference(
     added. ``marks`` for refinement are those of the Koiter elements, whose forces and moments jump.
     """
     try:
-        other = KoiterModel(model.structure, ORDER)
+        # held as the model is: that is not asked again
+        other = KoiterModel(replace(model.structure, movable=True), ORDER)
         problem = other.problem
+        problem.shared["locator"] = model.problem.locator  # of the same triangles
         initial = problem.loads.initial
         x = solve_roughly(problem.energy, problem.load, problem.reduction, problem.springs, initial)
     except (InputError, SolveError) as error:

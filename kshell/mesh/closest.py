@@ -41,6 +41,7 @@ PARTS = 0.5 * np.array(
         [[1, 1, 0], [0, 1, 1], [1, 0, 1]],
     ]
 )
+KEPT, MANY_POINTS = 16, 1000  # times that points are asked for, which are kept; of more points one
 MIDDLES = np.array([[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5]])
 
 
@@ -82,7 +83,7 @@ class Locator:
         self.bump, self.reach = _bends(self.nodes)
         self.centre, self.radius = _balls(self.nodes, self.bump)
         self._classes: list[tuple[Ints, float, object]] | None = None
-        self._last: tuple[Floats, Nearest] | None = None
+        self._known: dict[bytes, Nearest] = {}
 
     @classmethod
     def on(cls, mesh: Mesh, group: str, points: Floats) -> Nearest:
@@ -106,10 +107,14 @@ class Locator:
         )
 
     def find(self, points: Floats) -> Nearest:
-        """The closest points to (n, 3) points; asked again for the same ones, as along a path, it knows them."""
-        if self._last is None or not np.array_equal(self._last[0], points):
-            self._last = points.copy(), self._find(np.asarray(points, dtype=float))
-        return self._last[1]
+        """The closest points to (n, 3) points; asked again for some of the last ones, as of probes, it knows them."""
+        points = np.asarray(points, dtype=float)
+        key = points.tobytes()
+        if key not in self._known:
+            if len(self._known) >= KEPT or len(points) > MANY_POINTS:
+                self._known.clear()
+            self._known[key] = self._find(points)
+        return self._known[key]
 
     def _find(self, points: Floats) -> Nearest:
         n_triangles = len(self.rank)
@@ -208,26 +213,31 @@ class Locator:
         of, triangle, upper, rs = of[keep], triangle[keep], upper[keep], rs[:, keep]
         if len(self.nodes) == 6:
             rs = feet.curved_feet(p[:, of], self.nodes[:, :, triangle], rs)
-            bent = np.flatnonzero(upper > self.reach[triangle])
+            # of points on the surface there is nothing closer to look for
+            aside = self._least(p, of, triangle, rs)[1] > self.tie
+            bent = np.flatnonzero((upper > self.reach[triangle]) & aside[of])
             if len(bent):
                 of, triangle, rs = self._divided(p, of, triangle, rs, bent)
-        x = feet.place(self.nodes[:, :, triangle], rs)
-        off = p[:, of] - x
-        distance = np.sqrt(feet.dot(off, off))
-        best = np.full(p.shape[1], np.inf)
-        np.minimum.at(best, of, distance)
+        distance, best = self._least(p, of, triangle, rs)
         tied = distance > best[of] + self.tie
         order = np.lexsort((distance, self.rank[triangle], tied, of))
         first = order[np.searchsorted(of[order], np.arange(p.shape[1]))]
-        return Nearest(triangle[first], rs[:, first].T, x[:, first].T, distance[first])
+        x = feet.place(self.nodes[:, :, triangle[first]], rs[:, first])
+        return Nearest(triangle[first], rs[:, first].T, x.T, distance[first])
+
+    def _least(self, p: Floats, of: Ints, triangle: Ints, rs: Floats) -> tuple[Floats, Floats]:
+        """Distances of places (2, pair) in triangles, and the least of each point."""
+        off = p[:, of] - feet.place(self.nodes[:, :, triangle], rs)
+        distance = np.sqrt(feet.dot(off, off))
+        best = np.full(p.shape[1], np.inf)
+        np.minimum.at(best, of, distance)
+        return distance, best
 
     def _divided(
         self, p: Floats, of: Ints, triangle: Ints, rs: Floats, bent: Ints
     ) -> tuple[Ints, Ints, Floats]:
         """The pairs, and more of them: feet found from parts of triangles on which f may have several minima."""
-        best = np.full(p.shape[1], np.inf)
-        off = p[:, of] - feet.place(self.nodes[:, :, triangle], rs)
-        np.minimum.at(best, of, np.sqrt(feet.dot(off, off)))
+        best = self._least(p, of, triangle, rs)[1]
         pair, corners = bent, np.broadcast_to(np.eye(3), (len(bent), 3, 3))  # (part, corner, barycentric)
         for _ in range(DIVISIONS):
             corners = np.einsum("pcb,nbd->npcd", PARTS, corners).reshape(-1, 3, 3)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError
 from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
@@ -42,13 +44,32 @@ HANDLERS = Handlers("is nothing that shells have: leave it out")
 
 
 @dataclass
+class Alone:
+    """Conditions of one support by itself, made when its reactions are asked for: models of estimates have none."""
+
+    make: Callable[[], Any]
+    add: Callable[[Any], None]
+
+    @cached_property
+    def _conditions(self) -> Any:
+        made = self.make()
+        self.add(made)
+        return made
+
+    def alone(self) -> Reduction:
+        """The motions that they leave."""
+        found: Reduction = self._conditions.alone()
+        return found
+
+
+@dataclass
 class HeldGroup:
     """What one support does.
 
     Attributes
     ----------
     label : str
-    conditions : of the discretisation, or None for springs
+    conditions : Alone or LinkConditions, or None for springs
     spring : sparse matrix or None
     place : Selection, optional
         Where; None at the point of a rigid link.
@@ -160,13 +181,18 @@ class _Builder:
     def _symmetry(self, support: Any, placed: Placed[Any]) -> None:
         chosen, what = self._where(support, placed)
         pieces = _planar_pieces(self.mesh, chosen)
-        own = self.discretisation.conditions()
+        normals = []
         for edges in pieces:
             try:
-                normal = self.out.conditions.symmetry(edges)
-                own.symmetry(edges, normal)
+                normals.append(self.out.conditions.symmetry(edges))
             except InputError as error:
                 raise InputError(f"{what}: {error}") from None
+
+        def hold(conditions: Any) -> None:
+            for edges, normal in zip(pieces, normals, strict=True):
+                conditions.symmetry(edges, normal)
+
+        own = Alone(self.discretisation.conditions, hold)
         self.out.groups.append(HeldGroup(chosen.label, conditions=own, place=chosen))
 
     @HANDLERS.of(Clamped, SimplySupported, Fixed)
@@ -178,9 +204,9 @@ class _Builder:
             self.out.groups.append(HeldGroup(placed.link.name, conditions=held))
             return
         chosen, what = self._where(support, placed)
-        own = self.discretisation.conditions()
         letters = support.freedoms.replace("r", "")
-        for conditions in (self.out.conditions, own):
+
+        def hold(conditions: Any) -> None:
             if letters:
                 axes = getattr(support, "axes", None)
                 conditions.translations(chosen, letters, support.translation_at, axes)
@@ -188,6 +214,9 @@ class _Builder:
                 conditions.rotations(
                     chosen, what, support.rotation_at if support.rotation is not None else None
                 )
+
+        hold(self.out.conditions)
+        own = Alone(self.discretisation.conditions, hold)
         self.out.groups.append(HeldGroup(chosen.label, conditions=own, place=chosen))
 
     @staticmethod

@@ -115,6 +115,22 @@ def test_answer_does_not_depend_on_numbering():
     assert (first.x == second.x).all()
 
 
+def test_nodes_of_strongly_bent_triangles_lie_on_them():
+    """Triangles that turn by up to 90 degrees: of those that share a node the one with the least centroid."""
+    sphere = ks.geometry.Sphere(1.0).mesh(4, 2, order=2, u_range=(0.3, 2 * np.pi + 0.3), v_range=(0.4, 2.6))
+    nodes = np.concatenate([sphere.points[sphere.triangles], sphere.midpoints[sphere.triangle_edges]], axis=1)
+    rank = np.argsort(np.lexsort(nodes[:, :3].mean(axis=1).T[::-1]))
+    for points, numbers in (
+        (sphere.points, sphere.triangles),
+        (sphere.midpoints, sphere.triangle_edges),
+    ):
+        found = Locator(nodes).find(points)
+        assert found.distance.max() < 1e-12
+        for number, triangle in enumerate(found.triangles):
+            around = np.flatnonzero((numbers == number).any(axis=1))
+            assert triangle == around[np.argmin(rank[around])]
+
+
 def test_few_and_many_points_agree():
     mesh = ks.geometry.Torus(2, 0.7).mesh(30, 20)
     points = np.random.default_rng(7).normal(size=(50, 3)) * 2
