@@ -36,7 +36,7 @@ from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import assess
 from kshell.error.assessment import ENERGY, PROBES
 from kshell.error.bounds import PlatePair
-from kshell.error.infinite import infinite_energy
+from kshell.error.infinite import infinite_energy, without_infinite
 from kshell.error.plates import assess_pair, geometry_share
 from kshell.error.shells import share_when_cut
 from kshell.error.sizes import MOST_GROWTH
@@ -200,6 +200,7 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         if model.structure.missed_under(run.factors):
             energy, size = abs(found.energy.value) if found.energy else 0.0, pair.conforming.largest()
             found.with_loads(missed_loads(model, run, size, energy), size)
+        found.without_energy(infinite_energy(model.structure, run.factors))
         unknowns = model.unknowns
     else:
         answered = answer_once(run.model(), run)
@@ -218,8 +219,8 @@ def _solved(loop: Refinement, mesh: Mesh, before: float) -> Level:
         if model.structure.missed_under(run.factors):
             size = largest_displacement(result)
             found.with_loads(missed_loads(model, run, size, result.strain_energy), size)
+        without_infinite(found, model, answered.state, run.factors)
         unknowns = result.unknowns
-    found.without_energy(infinite_energy(model.structure, run.factors))
     half = max(found.relative(name) for name in wanted)
     return Level(run, model, found, unknowns, half, time.perf_counter() - before, answered, pair, shape)
 
@@ -253,7 +254,8 @@ def _why_stop(loop: Refinement, level: Level, stalled: int) -> str:
         return f"the limit of {options.limit} would be passed by the next level"
     if peak_bytes() + GROWTH * _bytes(level) * level.unknowns > _allowed(options):
         return f"the memory would not do for the next level, about {GROWTH * level.unknowns:.0f} unknowns"
-    if level.assessment.infinite and not loop.names:
+    known = not level.assessment.told or np.isfinite(level.half_width)
+    if level.assessment.infinite and not (loop.names and known):
         return level.assessment.infinite
     if level.assessment.told and not np.isfinite(level.half_width):
         return "what is asked for does not move, so no error of it is small"

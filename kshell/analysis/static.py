@@ -16,7 +16,7 @@ from kshell.equilibrium.finite_model import FiniteModel
 from kshell.equilibrium.model import Model, Solved
 from kshell.error.assess import DUALS, assess
 from kshell.error.assessment import Assessment
-from kshell.error.infinite import infinite_energy
+from kshell.error.infinite import without_infinite
 from kshell.errors import InputError, SolveError
 from kshell.result.result import Result
 from kshell.scene.options import TOLERANCE
@@ -85,7 +85,7 @@ def estimated(answered: Answered, run: Run, names: list[str] | None = None) -> A
         if answered.model.structure.missed_under(run.factors):
             size = largest_displacement(result)
             found.with_loads(missed_loads(answered.model, run, size, result.strain_energy), size)
-        found.without_energy(infinite_energy(answered.model.structure, run.factors))
+        without_infinite(found, answered.model, answered.state, run.factors)
         found.document(result, run.options.quantity)
         if isinstance(answered.state, Solved):
             account_for_shear(result, answered.model, answered.state, run.options, found.duals)

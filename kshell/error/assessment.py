@@ -99,7 +99,7 @@ class Assessment:
     why_not : str
         Why there is no proof, or no estimate.
     infinite : str
-        Why the energy is infinite, if it is.
+        Why the energy, or a displacement, is infinite, if it is.
     told : bool
         Whether the solution tells its error at all; intervals are infinite otherwise, and marks say what to refine.
     """
@@ -163,12 +163,29 @@ class Assessment:
             value, inf = self.energy.value, float("inf")
             self.energy = Estimate(value, inf, inf, "estimated", why)
 
+    def without_probe(self, name: str, why: str) -> None:
+        """Take the interval of a probe away that has no limit, as words say."""
+        self.infinite = self.infinite or why
+        probe = self.probes[name]
+        width = np.where(probe.half_width > 0.0, np.inf, 0.0)
+        self.probes[name] = Interval(probe.value, width, width, "estimated")
+
+    def with_more_energy(self, more: float) -> None:
+        """Widen the interval of the energy."""
+        if self.energy is not None:
+            e, more = self.energy, float(more)
+            self.energy = Estimate(e.value, e.half_width + more, e.expected + more, e.kind, e.why_not)
+
+    def with_more(self, name: str, more: float) -> None:
+        """Widen the interval of a probe by the size of a vector."""
+        probe = self.probes[name]
+        size = float(np.linalg.norm(probe.value))
+        self.probes[name] = probe.widened(more / size if size > 0.0 else 0.0, size)
+
     def with_share(self, share: float) -> None:
         """Widen all intervals by a relative error of another origin, as that of the algebra."""
         if self.energy is not None:
-            e = self.energy
-            more = share * abs(e.value)
-            self.energy = Estimate(e.value, e.half_width + more, e.expected + more, e.kind, e.why_not)
+            self.with_more_energy(share * abs(self.energy.value))
         self.probes = {name: interval.widened(share, self.size) for name, interval in self.probes.items()}
 
     def with_shape(self) -> None:
