@@ -100,7 +100,7 @@ class Averages:
         )
         self._compliance: Floats = np.linalg.inv(stiffness[:, 0])  # (1 or triangle, 6, 6)
         self.hidden = hidden_by_foundations(
-            problem.structure, surface.order, middle.axes[:, 0, 2], middle.a[:, 0], middle.d[:, 0]
+            problem.structure, surface.order, middle.axes[:, 0, 2], middle.d[:, 0], middle.a[:, 0]
         )
         xi, weights = triangle_rule(2 * degree)
         values = lagrange(degree, xi)

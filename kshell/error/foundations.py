@@ -31,7 +31,7 @@ MEMBRANE, MEMBRANE_POWER = 0.5, -2.0
 
 
 def hidden_by_foundations(
-    structure: Structure, order: int, normal: Floats, membrane: Floats, bending: Floats
+    structure: Structure, order: int, normal: Floats, bending: Floats, membrane: Floats | None = None
 ) -> Floats:
     """(triangle,) by what energies of differences of forces and moments are multiplied.
 
@@ -39,13 +39,14 @@ def hidden_by_foundations(
     ----------
     structure : Structure
     order : int
-    normal : (triangle, 3) array
+    normal : (1 or triangle, 3) array
         Of length one.
-    membrane, bending : (1 or triangle, 3, 3) arrays
-        Stiffness of the section.
+    bending, membrane : (1 or triangle, 3, 3) arrays
+        Stiffness of the section; plates do not stretch.
     """
     mesh = structure.space
     out = np.ones(len(mesh.triangles))
+    normal = np.broadcast_to(normal, (len(out), 3))
     across, along = np.zeros_like(out), np.zeros_like(out)
     centres = mesh.points[mesh.triangles].mean(axis=1)
     for placed in structure.supports:
@@ -67,7 +68,8 @@ def hidden_by_foundations(
         return out
     length = mesh.edge_lengths[mesh.triangle_edges].max(axis=1)
     bends = np.minimum(bending[:, 0, 0], bending[:, 1, 1])
-    stretches = np.minimum(membrane[:, 0, 0], membrane[:, 1, 1])
     out += BENDING * order**BENDING_POWER * across * length**4 / (4.0 * bends)
-    out += MEMBRANE * order**MEMBRANE_POWER * along * length**2 / (2.0 * stretches)
+    if membrane is not None:
+        stretches = np.minimum(membrane[:, 0, 0], membrane[:, 1, 1])
+        out += MEMBRANE * order**MEMBRANE_POWER * along * length**2 / (2.0 * stretches)
     return out

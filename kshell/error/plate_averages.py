@@ -5,8 +5,9 @@ the continuous averages at Lagrange nodes, over triangles of one stiffness,
 
     eta_T^2 = int over T of (m - m*) : C^-1 (m - m*),
 
-and of a deflection with the dual solution the sum over T of eta_T eta*_T; `SAFETY` times that is relied on. (Of Argyris
-plates moments are continuous at vertices, just where singularities sit: there averages are useless.)
+more on foundations (`foundations.py`), and of a deflection with the dual solution the sum over T of eta_T eta*_T;
+`SAFETY` times that is relied on. (Of Argyris plates moments are continuous at vertices, just where singularities sit:
+there averages are useless.)
 
 Source: Zienkiewicz & Zhu, Int. J. Numer. Meth. Eng. 33 (1992) 1331-1364, 1365-1382.
 """
@@ -27,6 +28,7 @@ from kshell.error.chords import share_of_chords
 from kshell.error.corner_fits import SINGLE, CornerFits
 from kshell.error.curve_doubt import turns
 from kshell.error.estimate import Estimate
+from kshell.error.foundations import hidden_by_foundations
 from kshell.error.geometry_share import PAIRS
 from kshell.error.marking import doerfler
 from kshell.error.plates import deflection_rows, geometry_share, goal_marks
@@ -123,6 +125,7 @@ class _Averages:
         middle = mesh.points[mesh.triangles, :2].mean(axis=1)[:, None]
         stiffness = problem.bending.at(np.arange(len(middle)), middle)[:, 0]
         self._compliance: Floats = np.linalg.inv(stiffness).astype(np.float64)
+        self._hidden = hidden_by_foundations(problem.structure, order, np.eye(3)[2:], stiffness)
         along = np.arange(degree - 1)
         inside = len(self.nodes) - 3 * degree  # each triangle's own
         parts = [
@@ -181,7 +184,9 @@ class _Averages:
         average = mean[self._number]
         average[self._fits.triangles, self._fits.nodes] = self._fits.values(moments)
         off = moments - average
-        own = np.asarray(self._area * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2)))
+        own = np.asarray(
+            self._area * self._hidden * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2))
+        )
         own[self._untold] = own.max()  # these first
         return own
 

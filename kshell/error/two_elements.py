@@ -70,9 +70,14 @@ def assess_difference(
         strain = strain - initial
     stress = problem.energy.stress(strain)
     stored = 0.5 * float(np.sum(strain * stress))
+    if problem.springs is not None:
+        stored += 0.5 * float(x @ (problem.springs @ x))
     out = Assessment(why_not=WHY_NOT, geometry=0.0)
     own = result.strain_energy
-    apart = float(energy_of_difference(model, solved, problem.energy, strain, stress).sum())
+    averages = Averages(problem)
+    apart = float(
+        (averages.hidden * energy_of_difference(model, solved, problem.energy, strain, stress)).sum()
+    )
     off = max(abs(own - stored), 0.5 * apart)
     out.energy = Estimate(own, SAFETY * off, LIKELY * SAFETY * off, "estimated", WHY_NOT)
     share = off / abs(own) if own != 0.0 else 0.0
@@ -82,8 +87,8 @@ def assess_difference(
         # of all of the motion: a small component is no better known for lying across a large one
         width = np.abs(value - moved) + share * float(np.linalg.norm(value))
         out.probes[name] = Interval(value, width, LIKELY * width, "estimated")
-    if marks:
-        local = Averages(problem).local(strain)
+    if marks and averages is not None:
+        local = averages.local(strain)
         for name in (ENERGY, *names):
             out.marks[name], out.parts[name] = local, np.zeros_like(local)
     return out
