@@ -22,6 +22,7 @@ from kshell.plate.hhj.tables import edge_reference
 from kshell.plate.hhj.translate import places
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
+from kshell.plate.product import strain_product
 from kshell.solvers import Solution, prepare
 from kshell.solvers.dense import DENSE_UP_TO
 
@@ -55,11 +56,14 @@ class Conforming:
         self.dofs: Ints = np.concatenate([vertex, layout.edge_dofs(triangles.edges)], axis=1)
         self.reduction = problem.reduction.matrix().tocsr()
         self.particular = problem.reduction.particular
-        xi, weights = triangle_rule(6)
-        every = np.arange(len(mesh.triangles))
-        bending = problem.bending.at(every, triangles.xy(xi))
-        self._weighted = bending * (weights * triangles.area[:, None])[..., None, None]
-        self._points, self._area_weights = xi, weights
+        self._points, self._area_weights = triangle_rule(6)
+        self._product = None
+        if problem.section.constant_per_triangle:
+            every = np.arange(len(mesh.triangles))
+            areas = (self._area_weights * triangles.area[:, None])[..., None, None]
+            self._weighted = problem.bending.at(every, triangles.xy(self._points)) * areas
+        else:  # at the points of the matrix, or this were another stiffness, which reactions do not balance
+            self._product = strain_product(problem)
         self._name, self._why = "Cholesky (LAPACK)", "as few unknowns as these are solved densely"
         self._solve = self._factorise()
 
@@ -151,10 +155,13 @@ class Conforming:
         slope = (rise[:, None] @ self.triangles.inverse)[:, 0]
         return np.hypot(slope[:, 0], slope[:, 1])
 
-    def forces(self, d: Floats) -> Floats:
-        """(unknown,) T^T K d of bending."""
-        stress = (self._weighted @ self.curvature(d, self._points)[..., None])[..., 0]
-        return np.asarray(self.reduction.T @ self.functional(stress, self._points))
+    def forces(self, x: Floats) -> Floats:
+        """(unknown,) K x of unknowns (unknown,)."""
+        if self._product is not None:
+            return np.asarray(self._product(x), dtype=np.float64)
+        stress = (self._weighted @ self.curvature(self.reduction @ x, self._points)[..., None])[..., 0]
+        force = np.asarray(self.reduction.T @ self.functional(stress, self._points))
+        return force if self._springs is None else force + self._springs @ x
 
     def solve(self, right: Floats) -> Floats:
         """Unknowns under a load on the unknowns, refined with residuals from strains."""
@@ -169,9 +176,7 @@ class Conforming:
             x = x + step
             if sizes[0] == 0.0 or (len(sizes) > 1 and self._finished(sizes)):
                 break
-            residual = right - self.forces(self.reduction @ x)
-            if self._springs is not None:
-                residual -= self._springs @ x
+            residual = right - self.forces(x)
         history = tuple(size / max(sizes[0], 1e-300) for size in sizes)
         left = float(np.linalg.norm(residual) / max(float(np.linalg.norm(right)), 1e-300))
         return Solution(x, self._name, self._why, len(sizes) - 1, history, history[-1], left)

@@ -14,6 +14,8 @@ BLUNT_CORNER = np.radians(25.0)  # turn from which a vertex of a smooth line may
 STRAIGHT = 1e-9
 ALIKE = 1.5  # ratio of turns at both ends of such an edge
 FLAT = 1e-6  # angle between edges of one straight side, of nodes with rounding
+KINK = 1e-3  # turn from which a single vertex between straight sides is a corner
+UNLIKE = 3.0  # ratio of its turn to those at the far ends of these sides
 
 
 def chained(ends: Ints) -> list[tuple[NDArray[np.int64], NDArray[np.bool_], bool]]:
@@ -119,6 +121,7 @@ def breaks(
     )  # the turn of a corner is no curvature, at which its neighbours would be alike
     sides = np.maximum(neighbour(along, 1), neighbour(along, -1))
     corner = sharp | (vertex & (turn > GENTLEST_CORNER) & (turn > 3 * sides))
+    corner |= vertex & _kinks(signed, closed)
     # one edge between straight sides: a side cut off, as no arc of one edge is known; where one of the straight sides
     # has one edge, too, an arc that ran into the other would turn by half as much there
     for k in (-1, 1):
@@ -158,6 +161,35 @@ def breaks(
         near_end = np.minimum(np.arange(n), n - 1 - np.arange(n)) <= 3  # no neighbour to compare with
         jump &= ~near_end
     return corner, jump, turn
+
+
+def _kinks(signed: Floats, closed: bool) -> NDArray[np.bool_]:
+    """Nodes that turn alone between straight sides of two edges and more, as no curve does, however little they turn.
+
+    A curve whose chords were divided turns alike, and to the same side, at the other end of one of these sides.
+    """
+    out = np.zeros(len(signed), dtype=bool)
+    last = len(signed) - 1  # of closed lines the first node once more
+    own = signed[:-1] if closed else signed
+    turning = np.flatnonzero(np.abs(own) > FLAT)
+    if closed:
+        if len(turning) < 2:
+            return out
+        before, after = np.roll(turning, 1), np.roll(turning, -1)
+        apart = np.minimum((turning - before) % last, (after - turning) % last)
+        far = own[np.stack([before, after])]
+    else:  # its ends turn as nothing else
+        ends = np.concatenate([[0], turning, [last]])
+        before, after = ends[:-2], ends[2:]
+        apart = np.minimum(turning - before, after - turning)
+        far = np.where(np.isin(np.stack([before, after]), turning), own[np.stack([before, after])], 0.0)
+    mine = own[turning]
+    size = np.abs(far)
+    unlike = (far * mine < 0.0) | (size > UNLIKE * np.abs(mine)) | (UNLIKE * size < np.abs(mine))
+    out[turning] = (np.abs(mine) > KINK) & (apart > 1) & unlike.all(axis=0)
+    if closed:
+        out[last] = out[0]
+    return out
 
 
 def is_straight(nodes: Floats, rounding: float) -> bool:

@@ -98,6 +98,25 @@ def test_intervals_are_guaranteed_and_overlap_under_refinement(name, material):
     assert all(c.half_width < a.half_width for a, _, c in zip(*found, strict=True))
 
 
+VARYING = {
+    "steps": lambda x, y, z: np.where(x + 0.3 * y > 0.6, 1.3, 1.0),
+    "waves": lambda x, y, z: 1.0 + 0.4 * np.sin(7.0 * x) * np.cos(5.0 * y),
+}
+
+
+@pytest.mark.parametrize("thickness", VARYING)
+@pytest.mark.parametrize("n", [3, 8])
+def test_the_conforming_side_has_the_stiffness_of_the_plate(thickness, n):
+    """Its equations are those that reactions are found by: what is left of them is rounding, however D varies."""
+    supports, loads = [ks.Clamped("left"), ks.Elastic("right", 30.0, "zr")], [ks.Pressure("1+x*y**2")]
+    of = problem(square(n), supports, loads, thickness=VARYING[thickness])
+    conforming = PlatePair(of, 4).conforming
+    own, system = conforming.unknowns, of.system
+    load = system.load + system.fixed_load
+    assert np.linalg.norm(system.matrix @ own - load) < 1e-9 * np.linalg.norm(load)
+    assert np.linalg.norm(conforming.forces(own) - load) < 1e-11 * np.linalg.norm(load)
+
+
 def test_line_forces_and_edge_springs_against_a_fine_solution():
     """True values of a beam-like strip, nu = 0: w = F x^2 (3 - x) / 6 under a force at its end, and k w' = m there."""
     strip = ks.Isotropic(E=12.0, nu=0.0)

@@ -145,6 +145,40 @@ def test_a_blunt_corner_of_straight_sides_is_a_corner():
     assert not curves.curved.any()
 
 
+def divided_polygon(rim, divided):
+    """A triangle from the middle to each of the equal parts of the sides of a polygon."""
+    s = np.arange(divided) / divided
+    after = np.roll(rim, -1, axis=0)
+    points = (rim[:, None] + s[:, None] * (after - rim)[:, None]).reshape(-1, 2)
+    n = len(points)
+    k = np.arange(n)
+    return Mesh.from_arrays(
+        np.concatenate([points, [points.mean(axis=0)]]), np.stack([k, (k + 1) % n, np.full(n, n)], axis=1)
+    )
+
+
+@pytest.mark.parametrize("turn", [11.0, 3.0, 0.1])
+@pytest.mark.parametrize("divided", [2, 3])
+def test_a_vertex_that_turns_alone_between_straight_sides_is_a_corner(turn, divided):
+    """However little: to each side of it, and into the plate as well as out of it, on closed lines and open ones."""
+    rise = 0.5 * np.tan(np.radians(0.5 * turn))
+    for up in (rise, -rise):
+        mesh = divided_polygon(np.array([[0, 0], [1, 0], [1, 1.0], [0.5, 1 + up], [0, 1.0]]), divided)
+        top = mesh.boundary_edges[mesh.points[mesh.edges[mesh.boundary_edges], 1].min(axis=1) > 0.99]
+        for edges in (mesh.boundary_edges, top):
+            curves = edge_curves(mesh, edges)
+            assert not curves.curved.any()
+            assert curves.sharpest == 0.0
+
+
+@pytest.mark.parametrize("n", [36, 48])
+def test_divided_chords_of_a_curve_have_no_corners(n):
+    """They turn alike at both ends of each side."""
+    angle = 2 * np.pi * np.arange(n) / n
+    mesh = divided_polygon(np.stack([1.2 * np.cos(angle), np.sin(angle)], axis=1), 2)
+    assert edge_curves(mesh, mesh.boundary_edges).curved.all()
+
+
 def test_an_arc_that_runs_into_straight_lines():
     """A half disk: two corners, a straight side that stays straight, an arc with curvature 1."""
     arc = np.linspace(0, np.pi, 25)
