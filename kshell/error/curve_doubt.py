@@ -13,9 +13,9 @@ as powers and as exponentials) with 12 to 64 nodes, in 400 cases one of them mov
 supported, against the plate with the curve itself: 98 % of the intervals hold it, 96 % where a node is moved (the
 constants were chosen on these curves).
 
-A line of few straight edges that turns much at its vertices may as well be a polygon with one element on a side: then
-the whole area between it and its chords is in doubt, of which deflections and eigenvalues change by 1 to 4 times as
-much (polygons of 4 to 8 sides, clamped and supported).
+A line of few straight edges that turns much at its vertices may as well be a polygon with one element on a side, and one
+that turns at every other vertex alone a polygon with two: then the whole area between it and its chords is in doubt, of
+which deflections and eigenvalues change by 1 to 4 times as much (polygons of 4 to 8 sides, clamped and supported).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.error.outlying import outlying
-from kshell.plate.chains import BLUNT_CORNER, GENTLEST_CORNER
+from kshell.plate.chains import BLUNT_CORNER, FLAT, GENTLEST_CORNER, KINK
 from kshell.plate.curves import EdgeCurves
 from kshell.plate.domain import Domain
 from kshell.plate.smooth import settled_degree
@@ -38,6 +38,7 @@ CUBIC = 1.0 / 384.0
 RELIED = 4.0
 FEW = 10  # nodes of a smooth line that a polygon may have by chance
 ROUGH = 0.2  # doubt over the distance from the chord, from which at most edges more nodes are no smooth line, either
+SIDES = 0.5  # share of its edges that turn at one end alone, from which a line may be a polygon
 OF_AREA = 5.0
 IN_EDGE = np.linspace(0.05, 0.95, 10)
 
@@ -71,9 +72,13 @@ def polygon_share(domain: Domain) -> float:
     Arcs of circles and ellipses are no chance.
     """
     curves, mesh = domain.curves, domain.mesh
-    if mesh.midpoints is not None or curves.sharpest < GENTLEST_CORNER:
+    if mesh.midpoints is not None or curves.sharpest < KINK:
         return 0.0
-    doubt, between, turn = curve_doubt(domain), 0.0, _smooth_turns(domain)
+    gentle, turn = _smooth_turns(domain)
+    divided = (gentle < FLAT) & (turn > KINK)
+    if curves.sharpest < GENTLEST_CORNER and not divided.any():
+        return 0.0
+    doubt, between = curve_doubt(domain), 0.0
     depth = np.linalg.norm(curves.deviation(np.arange(len(curves.edges)), IN_EDGE), axis=2)
     for edges, _, closed in _chains(domain):
         if curves.arcs[edges].all():
@@ -81,13 +86,13 @@ def polygon_share(domain: Domain) -> float:
         count = len(edges) + (not closed)
         rough = np.median(doubt[edges] - ROUGH * depth[edges].max(axis=1)) > 0.0  # a node moved is no polygon
         least = GENTLEST_CORNER if count < ENOUGH else BLUNT_CORNER
-        if turn[edges].max() > least and (count < FEW or rough):
+        if (turn[edges].max() > least and (count < FEW or rough)) or np.mean(divided[edges]) > SIDES:
             between += float((mesh.edge_lengths[curves.edges[edges]] * depth[edges].mean(axis=1)).sum())
     return OF_AREA * between / float(mesh.areas.sum())
 
 
-def _smooth_turns(domain: Domain) -> Floats:
-    """(edge,) the most that the chords of `Domain.curves` turn by at the ends of each where tangents do not."""
+def _smooth_turns(domain: Domain) -> tuple[Floats, Floats]:
+    """(edge,) the least and most that chords of `Domain.curves` turn by at the ends of each where tangents do not."""
     curves = domain.curves
     ends = domain.mesh.edges[curves.edges]
     order = np.argsort(ends.ravel(), kind="stable")
@@ -99,10 +104,12 @@ def _smooth_turns(domain: Domain) -> Floats:
     smooth = np.abs((curves.tangent[a, i] * curves.tangent[b, j]).sum(axis=1)) > SMOOTH
     outward = np.where(i == j, -1.0, 1.0)  # both lead away from the vertex, or both to it
     angle = np.arccos(np.clip(outward * (chord[a] * chord[b]).sum(axis=1), -1.0, 1.0))
-    out = np.zeros(len(ends))
+    angle = np.where(smooth, angle, 0.0)
+    least, most = np.full(len(ends), np.inf), np.zeros(len(ends))
     for edge in (a, b):
-        np.maximum.at(out, edge, np.where(smooth, angle, 0.0))
-    return out
+        np.minimum.at(least, edge, angle)
+        np.maximum.at(most, edge, angle)
+    return least, most
 
 
 def turns(curves: EdgeCurves) -> Floats:

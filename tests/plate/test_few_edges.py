@@ -101,3 +101,14 @@ def test_smooth_lines_are_in_no_doubt() -> None:
     for mesh in (disk(1), disk(2), ellipse(2), egg(3)):
         assert polygon_share(Domain(mesh, curved=True)) == 0.0
     assert polygon_share(Domain(egg(1), curved=True)) > 0.3
+
+
+@pytest.mark.parametrize("n", [36, 60])
+def test_divided_chords_may_be_a_polygon(n: int) -> None:
+    """The area between a circle and its chords is 2/3 of 1 - cos(pi / n), of which a clamped disk changes twice as much."""
+    angle = 2 * np.pi * np.arange(n) / n
+    corners = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    sides = 0.5 * (corners + np.roll(corners, -1, axis=0))
+    domain = Domain(polygon(np.stack([corners, sides], axis=1).reshape(-1, 2)), curved=True)
+    assert domain.curves.curved.all()
+    assert polygon_share(domain) > 4 / 3 * (1 - np.cos(np.pi / n))
