@@ -105,7 +105,7 @@ def test_smooth_lines_are_in_no_doubt() -> None:
 
 @pytest.mark.parametrize("n", [36, 60])
 def test_divided_chords_may_be_a_polygon(n: int) -> None:
-    """The area between a circle and its chords is 2/3 of 1 - cos(pi / n), of which a clamped disk changes twice as much."""
+    """A clamped disk changes by twice the share between circle and chords, 2/3 of 1 - cos(pi / n)."""
     angle = 2 * np.pi * np.arange(n) / n
     corners = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     sides = 0.5 * (corners + np.roll(corners, -1, axis=0))
