@@ -13,9 +13,10 @@ as powers and as exponentials) with 12 to 64 nodes, in 400 cases one of them mov
 supported, against the plate with the curve itself: 98 % of the intervals hold it, 96 % where a node is moved (the
 constants were chosen on these curves).
 
-A line of few straight edges that turns much at its vertices may as well be a polygon with one element on a side, and one
-that turns at every other vertex alone a polygon with two: then the whole area between it and its chords is in doubt, of
-which deflections and eigenvalues change by 1 to 4 times as much (polygons of 4 to 8 sides, clamped and supported).
+A line of few straight edges that turns much at its vertices may as well be a polygon with one element on a side, and
+one that turns at every other vertex alone a polygon with two: then the whole area between it and its chords is in
+doubt, of which deflections and eigenvalues change by 1 to 4 times as much (polygons of 4 to 8 sides, clamped and
+supported).
 """
 
 from __future__ import annotations
