@@ -69,14 +69,13 @@ def indicate(model: FiniteModel, solution: LinearSolution, tolerance: float = TO
     if size == 0.0:
         return Indicator(0.0, 1.0, 0, tolerance)
     try:
-        energy, residual, _ = equilibrium.evaluate(solution.x, 1.0, 2, elastic.rest, solution.stress)
-        tangent = equilibrium.factorise(energy.hessian)
+        energy, residual, tangent = equilibrium.near_rest(solution.x, solution.stress)
         step = basis @ tangent.solve(basis.T @ residual)
     except SolveError:
         return Indicator(np.inf, np.inf, 0, tolerance)
     strain = elastic.linear_strain(solution.x)
     if equilibrium.initial is not None:
         strain = strain - equilibrium.initial
-    linear = 0.5 * float(np.sum(strain * elastic.stress(strain)))
+    linear = 0.5 * float(np.sum(strain * solution.stress))
     true = energy.value / linear if linear > 0.0 else 1.0
     return Indicator(float(np.linalg.norm(weights * step)) / size, true, tangent.negative, tolerance)

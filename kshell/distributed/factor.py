@@ -193,6 +193,10 @@ class PetscFactoriser:
             return None
         return found if found.definite or found.negative == 0 else None
 
+    def near_rest(self, evaluate: Any, springs: Any = None) -> None:
+        """As that of `Factoriser`; here no tangent is put together quicker."""
+        return None
+
     def factors(self, matrix: Scattered, definite: bool = True, last: bool = False) -> Factor:
         """The same; `Singular` where a pivot is zero."""
         known, mumps = matrix.known, self.mumps

@@ -45,60 +45,77 @@ class Condensed:
     """
 
     def __init__(self, unknowns: Ints, inner: Ints, basis: sp.csc_matrix) -> None:
-        self._inside = unknowns[:, inner]
-        self._inner, self._others = inner, np.setdiff1d(np.arange(unknowns.shape[1]), inner)
-        self._beside = unknowns[:, self._others]
+        self.inside = unknowns[:, inner]
+        self.inner, self.others = inner, np.setdiff1d(np.arange(unknowns.shape[1]), inner)
+        self.beside = unknowns[:, self.others]
         column = np.full(basis.shape[0], -1, dtype=np.int64)
         first = basis.indptr[:-1]
         plain = np.flatnonzero((np.diff(basis.indptr) == 1) & (basis.data[first] == 1.0))
         column[basis.indices[first[plain]]] = plain
-        self._column = column[self._inside]  # (element, i)
+        self.column = column[self.inside]  # (element, i)
         entries = np.bincount(basis.indices, minlength=basis.shape[0])
         self.possible = bool(len(inner)) and bool(
-            (self._column >= 0).all() and (entries[self._inside] == 1).all()
+            (self.column >= 0).all() and (entries[self.inside] == 1).all()
         )
         kept = np.ones(basis.shape[1], dtype=bool)
-        kept[self._column] = False
-        self._kept = np.flatnonzero(kept)
-        self.outer = basis[:, self._kept] if self.possible else basis
-        self._inverse = np.empty((*self._inside.shape, len(inner)))
-        self._w = np.empty((*self._inside.shape, len(self._others)))
+        kept[self.column] = False
+        self.kept = np.flatnonzero(kept)
+        self.outer = basis[:, self.kept] if self.possible else basis
 
-    def reduce(self, elements: slice, matrices: Floats) -> None:
-        """S in place of K_bb in element matrices (element, n, n), symmetric.
+    def of_matrix(self) -> Condensation:
+        """What becomes of them in one matrix."""
+        return Condensation(self)
+
+
+class Condensation:
+    """The unknowns inside elements and their elimination from one matrix."""
+
+    def __init__(self, condensed: Condensed) -> None:
+        self._of = condensed
+        count, inner = condensed.inside.shape
+        self._inverse = np.empty((count, inner, inner))
+        self._w = np.empty((count, inner, condensed.beside.shape[1]))
+
+    def reduce(self, elements: slice, matrices: Floats, definite: bool = False) -> None:
+        """S in place of K_bb in element matrices (element, n, n), symmetric; the other entries are lost.
+
+        `definite`: K_ii is looked at, so that K is positive definite if S is (Haynsworth, 1968).
 
         Raises
         ------
         Singular
-            If K_ii is, of an element.
+            If K_ii is, of an element, or not positive definite.
         """
-        i, b = self._inner, self._others
+        i = self._of.inner
+        inside = matrices[:, i[:, None], i]
         try:
-            inverse = np.linalg.inv(matrices[:, i[:, None], i])
+            if definite:
+                np.linalg.cholesky(inside)
+            inverse = np.linalg.inv(inside)
         except np.linalg.LinAlgError as error:
             raise Singular(f"what is inside triangles has no stiffness ({error})") from error
-        beside = matrices[:, i[:, None], b]
-        w = np.matmul(inverse, beside, out=self._w[elements])
-        self._inverse[elements] = inverse
-        matrices[:, b[:, None], b] -= np.matmul(beside.swapaxes(1, 2), w)
+        beside = matrices[:, i]
+        w = np.matmul(inverse, beside)
+        self._inverse[elements], self._w[elements] = inverse, w[:, :, self._of.others]
+        matrices -= np.matmul(beside.swapaxes(1, 2), w)  # of all entries, which is quicker than to pick some
 
     def solving(self, solve: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
         """From a solution for the others to that for all free unknowns, (free,) or (free, k)."""
 
         def whole(rhs: Floats) -> Floats:
-            inside = rhs[self._column]  # (element, i) or (element, i, k)
+            inside = rhs[self._of.column]  # (element, i) or (element, i, k)
             one = inside.ndim == 2
             inside = inside[..., None] if one else inside
             force = np.matmul(self._w.swapaxes(1, 2), inside)
-            size, k = self.outer.shape[0], inside.shape[2]
-            where = self._beside.ravel()
+            size, k = self._of.outer.shape[0], inside.shape[2]
+            where = self._of.beside.ravel()
             total = np.stack([np.bincount(where, force[..., c].ravel(), size) for c in range(k)], axis=1)
             out = np.empty_like(rhs)
-            given = rhs[self._kept] - self.outer.T @ (total[:, 0] if one else total)
-            out[self._kept] = found = solve(np.ascontiguousarray(given))
-            beside = (self.outer @ found).reshape(size, k)[self._beside]
+            given = rhs[self._of.kept] - self._of.outer.T @ (total[:, 0] if one else total)
+            out[self._of.kept] = found = solve(np.ascontiguousarray(given))
+            beside = (self._of.outer @ found).reshape(size, k)[self._of.beside]
             step = np.matmul(self._inverse, inside) - np.matmul(self._w, beside)
-            out[self._column] = step[..., 0] if one else step
+            out[self._of.column] = step[..., 0] if one else step
             return out
 
         return whole

@@ -11,21 +11,22 @@ This module knows nothing else about shells; a discretisation supplies s, s' and
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.equilibrium.condensed import Condensed
-from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.solvers.dissection import dissected
 
 Floats = NDArray[np.float64]
+
+# takes the matrices (triangle, n, n) of some triangles, which it may change
+Put = Callable[[slice, Floats], None]
 
 KEPT = 300_000  # unknowns up to which what is quickly made anew is kept while the matrix is factorised
 
@@ -211,12 +212,23 @@ class StrainEnergy(Evaluated):
         """K s: (triangle, r)."""
         return np.concatenate([self._apply(t, strain[t, :, None])[:, :, 0] for t in self.blocks])
 
+    def put_tangent(
+        self, put: Put, x: Floats, memory: Any, stress: Floats | None = None, initial: Floats | None = None
+    ) -> Energy:
+        """As `energy` with two derivatives, but for the Hessian, whose matrices of triangles are put somewhere."""
+        return self._evaluated(Asked(x, 2, memory, stress, initial, False), put)
+
     def _energy(self, asked: Asked) -> Energy:
+        return self._evaluated(asked, None)
+
+    def _evaluated(self, asked: Asked, put: Put | None) -> Energy:
         x, derivatives, memory, stress, initial, projected = asked
         memory = self.rest if memory is None else memory
         value = 0.0
         forces = np.zeros(self.triangle_unknowns.shape)
-        room = self.sparsity.empty() if derivatives > 1 else None
+        room = self.sparsity.empty() if derivatives > 1 and put is None else None
+        if room is not None:
+            put = partial(self.sparsity.put, room)
         free = inelastic_of(memory)
         if free is not None:
             initial = free if initial is None else initial + free
@@ -232,11 +244,11 @@ class StrainEnergy(Evaluated):
                 continue
             gradient = self._gradient(state, triangles)
             forces[triangles] = np.matmul(mine[:, None, :], gradient)[:, 0]
-            if room is not None:
+            if put is not None:
                 matrices = self._product(gradient, triangles, answer.tangent)
                 curved = self._geometric(state, mine if stress is None else stress[triangles], triangles)
                 matrices[:, : curved.shape[1], : curved.shape[1]] += curved
-                self.sparsity.put(room, triangles, _positive(matrices) if projected else matrices)
+                put(triangles, _positive(matrices) if projected else matrices)
             linear.strain[triangles] = strain
             linear.gradients.append(gradient)
             answers.append(answer)
@@ -275,9 +287,13 @@ class StrainEnergy(Evaluated):
     def linear_stiffness(self) -> sp.csr_matrix:
         """Second derivative of the energy at rest."""
         room = self.sparsity.empty()
-        for triangles, gradient in zip(self.blocks, self._gradients_at_rest(), strict=True):
-            self.sparsity.put(room, triangles, self._product(gradient, triangles))
+        self.put_stiffness(partial(self.sparsity.put, room))
         return self.sparsity.matrix(room)
+
+    def put_stiffness(self, put: Put) -> None:
+        """The matrices of the triangles for it, one block after the other."""
+        for triangles, gradient in zip(self.blocks, self._gradients_at_rest(), strict=True):
+            put(triangles, self._product(gradient, triangles))
 
     def _gradients_at_rest(self) -> Iterator[Floats]:
         """Those of `at_rest`, block by block."""
@@ -287,31 +303,6 @@ class StrainEnergy(Evaluated):
         x = np.zeros(self.unknowns)
         for triangles in self.blocks:
             yield self._gradient(self._state(x, self.rest, triangles), triangles)
-
-    def dense_stiffness(self) -> Floats:
-        """The same as a full matrix."""
-        out = np.zeros((self.unknowns, self.unknowns))
-        for triangles, gradient in zip(self.blocks, self.at_rest.gradients, strict=True):
-            where = self.triangle_unknowns[triangles]
-            np.add.at(out, (where[:, :, None], where[:, None]), self._product(gradient, triangles))
-        return out
-
-    def free_stiffness(
-        self, pattern: FreePattern, condensed: Condensed | None = None
-    ) -> tuple[Floats, Floats]:
-        """The same in the free unknowns: entries of the pattern, and the diagonal (unknowns,) in all unknowns.
-
-        Without those inside triangles, whose elimination is noted, if they are to be condensed.
-        """
-        data, diagonal = np.zeros(pattern.entries + 1), np.zeros(self.unknowns)
-        for triangles, gradient in zip(self.blocks, self._gradients_at_rest(), strict=True):
-            matrices = self._product(gradient, triangles)
-            own = np.einsum("eii->ei", matrices)
-            np.add.at(diagonal, self.triangle_unknowns[triangles].ravel(), own.ravel())
-            if condensed is not None:
-                condensed.reduce(triangles, matrices)
-            pattern.add(data, triangles, matrices)
-        return data[:-1], diagonal
 
     def linear_strain(self, x: Floats) -> Floats:
         """(triangle, r) strains to first order."""

@@ -10,24 +10,16 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.equilibrium.condensed import Condensed
-from kshell.equilibrium.energy import StrainEnergy
-from kshell.equilibrium.free_pattern import FreePattern
+from kshell.equilibrium.energy import Put, StrainEnergy
+from kshell.equilibrium.free_matrices import FreeMatrices
 from kshell.equilibrium.reduced import ReducedPattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
 from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, Singular
-from kshell.solvers.memory import give_back
-from kshell.solvers.nearest import picked
-from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU, dense_factor
+from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU, renumbered
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
-
-DENSE_UP_TO = 400  # unknowns up to which full matrices are quicker than to look for what is not zero
-# free unknowns from which CHOLMOD is quicker in the order of dissection than in one of its own, and takes less memory:
-# of 1e6 two thirds of the time
-DISSECTED_FROM = 60_000
 
 
 class Factoriser:
@@ -50,6 +42,8 @@ class Factoriser:
         self._basis, self._energy, self._symmetric = reduction.basis, energy, symmetric
         self._patterns: dict[bool, ReducedPattern] = {}
         self._solvers: dict[type, Any] = {}
+        self._free: FreeMatrices | None = None  # and the springs in them
+        self._springs: sp.spmatrix | None = None
 
     @cached_property
     def _place(self) -> Ints:
@@ -101,88 +95,92 @@ class Factoriser:
     def factorise_at_rest(self, springs: sp.spmatrix | None = None) -> tuple[Factor, Floats]:
         """The stiffness of the state at rest with that of springs, factorised, and its diagonal (unknowns,).
 
-        Straight from the elements where conditions do not couple their groups of unknowns.
+        Straight from the elements where conditions do not couple their groups of unknowns. The factor stays.
 
         Raises
         ------
         SolveError
             If the matrix is singular or holds numbers that are not finite.
         """
-        energy, basis = self._energy, sp.csc_matrix(self._basis)
-        if basis.shape[1] and energy.unknowns <= DENSE_UP_TO:
-            stiffness = energy.dense_stiffness()
-            if springs is not None:
-                stiffness += springs.toarray()
-            rows = picked(basis)
-            if rows is not None and (basis.data == 1.0).all():
-                factor = dense_factor(stiffness[np.ix_(rows, rows)])
-            else:
-                factor = dense_factor(basis.T @ np.ascontiguousarray((basis.T @ stiffness).T))
-            if factor is not None:
-                return factor, np.diagonal(stiffness)
-        if not (basis.shape[1] and FreePattern.possible(energy.sparsity, basis)):
+        energy, matrices = self._energy, self._matrices(springs)
+        if matrices.small:
+            found = matrices.dense(energy.put_stiffness)
+            if found is not None:
+                return found.factor, found.diagonal
+        if not matrices.possible:
             stiffness = energy.linear_stiffness()
             if springs is not None:
                 stiffness = stiffness + springs
             return self.factorise(stiffness), stiffness.diagonal()
         diagonal: list[Floats] = []
-        condensed: Condensed | None = None
-        if springs is None and len(energy.inner):
-            found = Condensed(energy.triangle_unknowns, energy.inner, basis)
-            if found.possible:
-                condensed, basis = found, found.outer
 
         def made(kind: type) -> Factor:
-            dissected = kind is SuperLU or (kind is Cholmod and basis.shape[1] > DISSECTED_FROM)
-            place = energy.group_places if dissected else None
-            pattern = FreePattern(energy.sparsity, basis, place)
-            entries, own = energy.free_stiffness(pattern, condensed)
-            if not np.all(np.isfinite(entries)):
-                raise SolveError("the stiffness is not finite: the step led too far away")
-            diagonal[:] = [own if springs is None else own + springs.diagonal()]
-            number, indptr, indices = pattern.number, pattern.indptr, pattern.indices
-            if springs is not None or kind is SuperLU:
-                lower = sp.csc_matrix((entries, indices, indptr), shape=(pattern.size,) * 2)
-                if springs is not None:
-                    moved = basis[:, np.argsort(number)]
-                    lower = sp.csc_matrix(lower + sp.tril(moved.T @ springs @ moved))
-                if kind is SuperLU:
-                    lower = sp.csc_matrix(lower + sp.tril(lower, -1).T)
-                lower.sort_indices()
-                entries, indices, indptr = lower.data, lower.indices, lower.indptr
-                del lower
-            del pattern  # what is not needed any more leaves room for the factor
-            if energy.unknowns > energy.kept:
-                energy.forget()
-                give_back()
-            if kind is Cholmod:
-                solver = Cholmod(indptr, indices, entries, dissected, once=True)
-                del indptr, indices, entries
-                return _renumbered(solver.factorise(), number)
-            return _renumbered(kind(indptr, indices).factorise(entries), number)
+            summed = matrices.factorise(kind, energy.put_stiffness)
+            diagonal[:] = [summed.diagonal]
+            return summed.factor
 
-        factor = self._first(made, True)
-        if condensed is not None:
-            factor = factor._replace(solve=condensed.solving(factor.solve))
-        return factor, diagonal[0]
+        return self._first(made, True), diagonal[0]
+
+    def near_rest(
+        self, evaluate: Callable[[Put], Any], springs: sp.spmatrix | None = None
+    ) -> tuple[Any, Factor] | None:
+        """A tangent near rest, factorised with what is known of the stiffness; None where it is not positive definite.
+
+        The factor serves until the next call.
+
+        Parameters
+        ----------
+        evaluate : callable
+            Puts the matrices of the triangles, see `FreeMatrices.factorise`; what it returns comes with the factor.
+        springs : (unknowns, unknowns) sparse, optional
+            The same as at rest.
+
+        Raises
+        ------
+        SolveError
+            If the matrix holds numbers that are not finite.
+        """
+        matrices = self._matrices(springs)
+        if not self._symmetric or not (matrices.small or matrices.possible):
+            return None
+        if matrices.small:
+            summed = matrices.dense(evaluate)
+            return None if summed is None else (summed.found, summed.factor)
+        kind = self._kinds(True)[0]
+        try:
+            summed = matrices.factorise(kind, evaluate, definite=True)
+        except Singular:
+            return None
+        definite = summed.factor.definite or summed.factor.negative == 0
+        return (summed.found, summed.factor) if definite else None
+
+    def _matrices(self, springs: sp.spmatrix | None) -> FreeMatrices:
+        if self._free is None or self._springs is not springs:
+            self._free, self._springs = FreeMatrices(self._energy, self._basis, springs), springs
+        return self._free
 
     def _first(self, factorised: Callable[[type], Factor], definite: bool) -> Factor:
         """The factor by the first library that there is and that the matrix suits."""
         if not self._basis.shape[1]:
             return Factor(np.zeros_like, lambda: 0)
-        kinds: list[type] = []
-        if self._symmetric:
-            kinds += [Cholmod] * (CHOLMOD.installed and definite)
-            kinds += [Rslab] if RSLAB.installed else [Pardiso] * PARDISO.installed
+        *kinds, last = self._kinds(definite)
         for kind in kinds:
             try:
                 return factorised(kind)
             except Singular:
                 pass  # not positive definite, or no pivots that it trusts: the next ones say how far
         try:
-            return factorised(SuperLU)
+            return factorised(last)
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
+
+    def _kinds(self, definite: bool) -> list[type]:
+        """Libraries in the order in which they are tried."""
+        kinds: list[type] = []
+        if self._symmetric:
+            kinds += [Cholmod] * (CHOLMOD.installed and definite)
+            kinds += [Rslab] if RSLAB.installed else [Pardiso] * PARDISO.installed
+        return [*kinds, SuperLU]
 
     def reduced(self, matrix: sp.csr_matrix, lower: bool = True) -> tuple[ReducedPattern, Floats]:
         """Pattern and entries of the matrix in the free unknowns: its lower triangle, or all of it."""
@@ -201,15 +199,4 @@ class Factoriser:
         if kind not in self._solvers:
             self._solvers[kind] = kind(pattern.indptr, pattern.indices)
         factor: Factor = self._solvers[kind].factorise(entries)
-        return factor if lower else _renumbered(factor, self._place)
-
-
-def _renumbered(factor: Factor, number: Ints) -> Factor:
-    """The factor of a matrix as that of the matrix whose unknowns have these numbers in it."""
-
-    def solve(rhs: Floats) -> Floats:
-        moved = np.empty_like(rhs)
-        moved[number] = rhs
-        return np.asarray(factor.solve(moved))[number]
-
-    return Factor(solve, factor.count_negative, factor.definite)
+        return factor if lower else renumbered(factor, self._place)

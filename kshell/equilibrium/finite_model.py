@@ -48,7 +48,7 @@ class FiniteModel(MovingModel):
         """The same for a look at what is near a linear solution, whatever turns by small turns only."""
 
     def alike(self, near: Problem) -> Problem:
-        """That of `near_rest`, with what it has in common with those of other load cases where that is kept."""
+        """That of `near_rest`, with what is known of the stiffness and of the tangents of other load cases."""
         return near
 
     @property

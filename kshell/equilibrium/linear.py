@@ -72,7 +72,8 @@ class LinearSolver:
     ) -> None:
         self.elastic, self.reduction, self.springs = elastic, reduction, springs
         # rounding can spoil the sign of a pivot in very thin shells and very small triangles; refinement mends it
-        factor, self._diagonal = Factoriser(reduction, elastic).factorise_at_rest(springs)
+        self.factoriser = Factoriser(reduction, elastic)  # knows the pattern for tangents
+        factor, self._diagonal = self.factoriser.factorise_at_rest(springs)
         self._solve = factor.solve
         self._require_held()
 

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.equilibrium.energy import Energy, StrainEnergy
+from kshell.equilibrium.energy import Energy, Put, StrainEnergy
 from kshell.equilibrium.factor import Factoriser
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Added
@@ -96,10 +96,17 @@ class Problem:
 
         `projected` as for `StrainEnergy.energy`.
         """
-        growth = self.load
-        initial = None if self.initial is None else factor * self.initial
-        energy = self.energy.energy(x, derivatives, memory, stress, initial, projected)
-        tangent = energy.hessian
+        energy = self.energy.energy(x, derivatives, memory, stress, self._initial(factor), projected)
+        return self._loaded(energy, x, factor, projected)
+
+    def _initial(self, factor: float) -> Floats | None:
+        return None if self.initial is None else factor * self.initial
+
+    def _loaded(
+        self, energy: Energy, x: Floats, factor: float, projected: bool = False
+    ) -> tuple[Energy, Floats, Floats]:
+        """As `evaluate`, from the energy of the strains."""
+        growth, tangent = self.load, energy.hessian
         if self.follower is not None:
             force, stiffness = self.follower(x)
             growth = growth + force
@@ -151,6 +158,35 @@ class Problem:
         """The same where it is positive definite, else None. See `Factoriser.positive`."""
         return self._factoriser.positive(tangent)
 
+    def near_rest(self, x: Floats, stress: Floats | None = None) -> tuple[Energy, Floats, Factor]:
+        """Energy, residual (unknowns,) and the factorised tangent of a state near rest at the full load.
+
+        Quicker than `evaluate` and `factorise` where the tangent is positive definite.
+
+        Parameters
+        ----------
+        x : (unknowns,)
+        stress : (triangle, r), optional
+            As for `StrainEnergy.energy`.
+
+        Raises
+        ------
+        SolveError
+            As `factorise`.
+        """
+        rest = self.energy.rest
+        if self.follower is None and self.touching is None:
+
+            def evaluate(put: Put) -> tuple[Energy, Floats, Floats]:
+                return self._loaded(self.energy.put_tangent(put, x, rest, stress, self.initial), x, 1.0)
+
+            found = self._factoriser.near_rest(evaluate, self.springs)
+            if found is not None:
+                (energy, residual, _), factor = found
+                return energy, residual, factor
+        energy, residual, _ = self.evaluate(x, 1.0, 2, rest, stress)
+        return energy, residual, self.factorise(energy.hessian)
+
     def pulled(self, spring: Floats, to: Floats) -> Problem:
         """The same with springs that pull the unknowns to a place, (unknowns,) each."""
         springs, constant = sp.diags(spring, format="csr"), spring * to
@@ -165,7 +201,11 @@ class Problem:
 
         A factor of either then serves until the next one of both.
         """
-        self.__dict__["_factoriser"] = other._factoriser
+        return self.factorised_by(other._factoriser)
+
+    def factorised_by(self, factoriser: Factoriser) -> Self:
+        """This one, with what is known of the matrices of the same structure."""
+        self.__dict__["_factoriser"] = factoriser
         return self
 
     def start(self) -> State:
@@ -174,8 +214,7 @@ class Problem:
 
     def settle(self, state: State) -> State:
         """The same state after its memory took up what it can of the unknowns."""
-        initial = None if self.initial is None else state.factor * self.initial
-        x, memory = self.energy.settle(state.x, state.memory, self.reduction, initial)
+        x, memory = self.energy.settle(state.x, state.memory, self.reduction, self._initial(state.factor))
         if memory is state.memory:
             return state
         return replace(state, x=x, memory=memory, turned=state.turned + (state.x - x))

@@ -64,8 +64,6 @@ class ShellModel(FiniteModel):
         self._solver: LinearSolver | None = None  # kept for further loads, and duals
         # what estimates of small deflections find once, whatever the loads: averages, and duals by probe and axis
         self.estimates: dict[Any, Any] = {}
-        # that of the first of several load cases, near rest: the pattern of its tangent is that of all of them
-        self._near: dict[str, Problem] | None = None
         self._in_motion: dict[str, sp.csr_matrix] = {}  # mass and stiffness, the same under all loads
 
     @property
@@ -174,8 +172,6 @@ class ShellModel(FiniteModel):
     def under(self, factors: Sequence[float], motion: float = 1.0) -> ShellModel:
         if self._solver is None:
             self._solver = self._linear_solver()
-        if self._near is None:
-            self._near = {}
         out = copy.copy(self)
         out.problem = self.problem.under(factors, motion)
         return out
@@ -222,9 +218,10 @@ class ShellModel(FiniteModel):
         return self.problem.equilibrium()
 
     def alike(self, near: Problem) -> Problem:
-        if self._near is None or near.follower is not None:
+        # a tangent with loads that turn may not be symmetric
+        if self._solver is None or near.follower is not None:
             return near
-        return near.factorising_as(self._near.setdefault("first", near))
+        return near.factorised_by(self._solver.factoriser)
 
     @property
     def thickness(self) -> float:

@@ -6,6 +6,7 @@ turns entries into a `Factor`. A factor serves until the next one is made from t
 
 from __future__ import annotations
 
+import copy
 import weakref
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -61,6 +62,17 @@ def dense_factor(matrix: Floats) -> Factor | None:
     return Factor(lambda rhs: np.asarray(dpotrs(factor, rhs, lower=1)[0]).reshape(rhs.shape), _none, True)
 
 
+def renumbered(factor: Factor, number: Ints) -> Factor:
+    """The factor of a matrix as that of the matrix whose unknowns have these numbers in it."""
+
+    def solve(rhs: Floats) -> Floats:
+        moved = np.empty_like(rhs)
+        moved[number] = rhs
+        return np.asarray(factor.solve(moved))[number]
+
+    return Factor(solve, factor.count_negative, factor.definite)
+
+
 class Cholmod:
     """Cholesky factors by CHOLMOD; `Singular` where the matrix is not positive definite.
 
@@ -86,14 +98,38 @@ class Cholmod:
         from cvxopt import cholmod, spmatrix
         from cvxopt import matrix as dense
 
-        n = len(indptr) - 1
+        self._cholmod, self._dense, self._once, self._size = cholmod, dense, once, len(indptr) - 1
+        self._matrix: Any = None
+        self._fill(spmatrix, indptr, indices, entries)
+        order = {"p": dense(np.arange(self._size, dtype=np.int64))} if ordered else {}
+        self._symbolic = cholmod.symbolic(self._matrix, uplo="L", **order)
+
+    def _fill(self, spmatrix: Any, indptr: Ints, indices: Ints, entries: Floats | None = None) -> None:
+        n, dense = self._size, self._dense
         row = dense(indices.astype(np.int64))
         column = dense(np.repeat(np.arange(n, dtype=np.int64), np.diff(indptr)))
         self._matrix = spmatrix(1.0 if entries is None else dense(entries), row, column, (n, n))
-        del row, column
-        order = {"p": dense(np.arange(n, dtype=np.int64))} if ordered else {}
-        self._symbolic = cholmod.symbolic(self._matrix, uplo="L", **order)
-        self._cholmod, self._dense, self._once = cholmod, dense, once
+
+    def another(self, indptr: Ints, indices: Ints) -> Cholmod:
+        """For further matrices of this pattern, in the order of elimination of the first; its factor stays."""
+        from cvxopt import spmatrix
+
+        other = copy.copy(self)
+        other._once = False
+        if other._matrix is None:
+            other._fill(spmatrix, indptr, indices)
+        place = self._dense(np.arange(self._size, dtype=np.float64))
+        self._cholmod.solve(self._symbolic, place, sys=7)  # P x
+        order = self._dense(np.array(place).ravel().astype(np.int64))
+        options, methods = self._cholmod.options, self._cholmod.options.get("nmethods")
+        options["nmethods"] = 1  # the order that is given, and no look at others
+        try:
+            other._symbolic = self._cholmod.symbolic(other._matrix, uplo="L", p=order)
+        finally:
+            del options["nmethods"]
+            if methods is not None:
+                options["nmethods"] = methods
+        return other
 
     def factorise(self, entries: Floats | None = None) -> Factor:
         if entries is not None:
@@ -103,7 +139,7 @@ class Cholmod:
         except ArithmeticError as error:
             raise Singular(f"CHOLMOD: the pivot of unknown {error} is not positive") from error
         if self._once:
-            del self._matrix
+            self._matrix = None
         return Factor(self._solve, _none, True)
 
     def _solve(self, rhs: Floats) -> Floats:
@@ -166,6 +202,10 @@ class Rslab:
         self._lower = sp.csc_matrix((np.ones(len(indices)), indices, indptr), shape=(n, n))
         self._analysis: Any = None
 
+    def another(self, indptr: Ints, indices: Ints) -> Rslab:
+        """For further matrices of this pattern: factors are independent of each other."""
+        return self
+
     def factorise(self, entries: Floats) -> Factor:
         self._lower.data = np.ascontiguousarray(entries, dtype=np.float64)
         factor, self._analysis = rslab_factor(self._lower, self._analysis)
@@ -189,6 +229,10 @@ class Pardiso:
         self._solver.set_iparm(21, 1)  # Bunch and Kaufman
         self._analysed = False
         weakref.finalize(self, self._solver.free_memory, True)
+
+    def another(self, indptr: Ints, indices: Ints) -> Pardiso:
+        """For further matrices of this pattern, whose factors leave those of this one alone."""
+        return Pardiso(indptr, indices)
 
     def factorise(self, entries: Floats) -> Factor:
         from pypardiso.pardiso_wrapper import PyPardisoError
@@ -219,6 +263,10 @@ class SuperLU:
     def __init__(self, indptr: Ints, indices: Ints) -> None:
         n = len(indptr) - 1
         self._matrix = sp.csc_matrix((np.ones(len(indices)), indices, indptr), shape=(n, n))
+
+    def another(self, indptr: Ints, indices: Ints) -> SuperLU:
+        """For further matrices of this pattern: factors are independent of each other."""
+        return self
 
     def factorise(self, entries: Floats) -> Factor:
         from scipy.sparse.linalg import splu
