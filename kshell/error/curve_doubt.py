@@ -120,8 +120,13 @@ def turns(curves: EdgeCurves) -> Floats:
 
 
 def _chains(domain: Domain) -> list[tuple[list[int], list[bool], bool]]:
-    """Curved edges, by their places in the curves, in smooth lines; whether each is walked ahead, and lines closed."""
+    """Curved edges, by their places in the curves, in smooth lines; whether each is walked ahead, and lines closed.
+
+    None where all are arcs of circles and ellipses, which are known.
+    """
     curves = domain.curves
+    if curves.arcs[curves.curved].all():
+        return []
     ends = domain.mesh.edges[curves.edges]
     at: dict[int, list[tuple[int, int]]] = {}
     for k in np.flatnonzero(curves.curved).tolist():

@@ -179,7 +179,11 @@ def _sampled_dual(problem: PlateProblem, weights: Weights, d: Floats) -> list[Fl
     """Values of a dual, of which the last is kept: it is that of all loads."""
     known = problem.shared.get("shear of dual")
     if known is None or known[0] is not weights or known[1] is not d:
+        tractions, its, values = problem.shared["shear of loads"]
+        place = next((k for k, other in enumerate(tractions.deflections) if other is d), None)
+        if its is weights and place is not None:  # estimated together with those under the loads
+            return [value[:, place] for value in values]
         found = [values[:, 0] for values in weights.sampled(tractions_of(problem, [d], [Loads()]))]
         known = problem.shared["shear of dual"] = weights, d, found
-    values: list[Floats] = known[2]
-    return values
+    kept: list[Floats] = known[2]
+    return kept

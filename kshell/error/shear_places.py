@@ -40,8 +40,8 @@ class Part:
     weights : (n, point) of the first deflection with itself, and with others
     beside : (n,) bool array
         Whether forces there are not to be relied on.
-    compliance : (n, point, 2, 2), optional
-        S^-1, inside.
+    compliance : (n or 1, point or 1, 2, 2), optional
+        S^-1, inside; one where it is the same everywhere.
     twist : (n, point, 3), optional
         On edges, what takes m_nt from moments.
     """
@@ -95,26 +95,29 @@ def weights_of(
         first = weights * _far(xy, centres, thickness)
         return first, first if near is None else first * _far(xy, near, thickness)
 
+    def of_section(triangles: Ints, xy: Floats) -> tuple[Ints, Floats]:
+        """What a section is asked at: where it is the same everywhere, of one point."""
+        some = slice(1 if problem.section.uniform else None)
+        return triangles[some], points_3d(problem.domain, xy[some, some])
+
     parts = []
     for patch in problem.domain.patches(DEGREE):
-        at = points_3d(problem.domain, patch.xy)
-        thickness = np.minimum(problem.section.thickness(patch.triangles, at), most)
-        compliance = np.asarray(np.linalg.inv(problem.section.shear(patch.triangles, at)), dtype=np.float64)
+        at = of_section(patch.triangles, patch.xy)
+        thickness = np.minimum(problem.section.thickness(*at), most)
+        compliance = np.asarray(np.linalg.inv(problem.section.shear(*at)), dtype=np.float64)
         weights = both(patch.xy, thickness, patch.weights)
         parts.append(Part(patch.triangles, patch.xi, weights, beside[patch.triangles], compliance))
     edges = _soft_edges(problem)
     if len(edges):
         line = problem.domain.edge_patch(edges, EDGE_POINTS)
-        at = points_3d(problem.domain, line.xy)
-        thickness = np.minimum(problem.section.thickness(line.triangles, at), most)
+        at = of_section(line.triangles, line.xy)
+        thickness = np.minimum(problem.section.thickness(*at), most)
         n = line.normal
         t = np.stack([-n[..., 1], n[..., 0]], axis=-1)
         nx, ny, tx, ty = n[..., 0], n[..., 1], t[..., 0], t[..., 1]
         twist = np.stack([nx * tx, ny * ty, nx * ty + ny * tx], axis=-1)
-        d66 = (twist[..., None, :] @ problem.section.bending(line.triangles, at) @ twist[..., None])[
-            ..., 0, 0
-        ]
-        along = (t[..., None, :] @ problem.section.shear(line.triangles, at) @ t[..., None])[..., 0, 0]
+        d66 = (twist[..., None, :] @ problem.section.bending(*at) @ twist[..., None])[..., 0, 0]
+        along = (t[..., None, :] @ problem.section.shear(*at) @ t[..., None])[..., 0, 0]
         weights = both(line.xy, thickness, line.weights * np.sqrt(d66 / along) / d66)
         parts.append(Part(line.triangles, line.xi, weights, beside[line.triangles], twist=twist))
     found = problem.shared["shear"] = Weights(key, parts)
@@ -139,8 +142,9 @@ def _beside(problem: PlateProblem, centres: Floats) -> NDArray[np.bool_]:
 def _far(xy: Floats, centres: Floats, thickness: Floats) -> NDArray[np.bool_]:
     """Whether points (n, q, 2) are farther than CUT thicknesses from all centres (k, 2)."""
     far = np.ones(xy.shape[:-1], dtype=bool)
+    reach, x, y = (CUT * thickness) ** 2, xy[..., 0], xy[..., 1]
     for centre in centres:
-        far &= np.hypot(*np.moveaxis(xy - centre, -1, 0)) > CUT * thickness
+        far &= (x - centre[0]) ** 2 + (y - centre[1]) ** 2 > reach
     return far
 
 

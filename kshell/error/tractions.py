@@ -15,14 +15,14 @@ from __future__ import annotations
 import copy
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.quadrature import interval_rule
-from kshell.elements.reference import VERTICES
+from kshell.elements.reference import VERTICES, DualBasis
 from kshell.mesh.refine import AROUND
 from kshell.plate.domain import EdgePatch
 from kshell.plate.loads import Loads
@@ -59,14 +59,10 @@ class Rows:
         corners = VERTICES[AROUND]  # (side, end, 2)
         self.points = corners[:, :1] + s[:, None] * (corners[:, 1:] - corners[:, :1])  # (side, point, 2)
         self._basis = problem.element.basis
-        self._tables: dict[tuple[int, bytes], Floats] = {}
 
     def table(self, order: int, xi: Floats) -> Floats:
         """(derivative, 21, point) of the basis at reference points (point, 2), the same for all triangles."""
-        key = order, xi.tobytes()
-        if key not in self._tables:
-            self._tables[key] = np.moveaxis(self._basis.tabulate(xi, order), 0, 2)
-        return self._tables[key]
+        return _table(self._basis, order, xi.tobytes())
 
     @cached_property
     def moment(self) -> Floats:
@@ -112,7 +108,14 @@ class Tractions(ABC):
     problem : PlateProblem
     d : (dof, k) array
         Physical degrees of freedom.
+
+    Attributes
+    ----------
+    deflections : sequence of (dof,) arrays
+        Whose they are, as they were given.
     """
+
+    deflections: Sequence[Floats] = ()
 
     def __init__(self, problem: PlateProblem, d: Floats) -> None:
         self.problem = problem
@@ -134,14 +137,17 @@ class Tractions(ABC):
         """Those of one of the deflections."""
         out = copy.copy(self)
         out.reference = self.reference[:, number : number + 1]
+        out.deflections = self.deflections[number : number + 1]
         return out
 
     def derivatives(self, chosen: Ints, xi: Floats, order: int) -> Floats:
         """(n, k, point, derivative) on the reference triangle, at points (point, 2) or (n, point, 2)."""
-        local, table = self.reference[chosen], self.basis.tabulate(xi, order)
+        local = self.reference[chosen]
         if xi.ndim == 2:
-            flat = local.reshape(-1, local.shape[2]) @ table.reshape(-1, local.shape[2]).T
-            return np.asarray(flat.reshape(*local.shape[:2], *table.shape[:2]))
+            of_all = self.rows.table(order, xi).transpose(1, 2, 0)  # (21, point, derivative)
+            flat = local.reshape(-1, local.shape[2]) @ of_all.reshape(local.shape[2], -1)
+            return np.asarray(flat.reshape(*local.shape[:2], *of_all.shape[1:]))
+        table = self.basis.tabulate(xi, order)
         return np.moveaxis(table @ np.swapaxes(local, 1, 2)[:, None], 3, 1)
 
     @abstractmethod
@@ -293,6 +299,7 @@ def tractions_of(
         found: Tractions = ConstantTractions(problem, d)
     else:
         found = VaryingTractions(problem, d, loads)
+    found.deflections = deflections
     for number, keeper in enumerate(keepers):
         if keeper is not None:
             keeper.__dict__["_tractions"] = deflections[number], loads[number], found, number
@@ -307,14 +314,19 @@ def tractions_among(problem: PlateProblem, d: Floats) -> tuple[Tractions, int]:
     return known[2], known[3]
 
 
+@lru_cache(maxsize=64)
+def _table(basis: DualBasis, order: int, xi: bytes) -> Floats:
+    """(derivative, 21, point) of a basis at reference points (point, 2), made once for all plates."""
+    return np.moveaxis(basis.tabulate(np.frombuffer(xi).reshape(-1, 2), order), 0, 2)
+
+
 def _times(matrix: Floats, vector: Floats) -> Floats:
     """(n, k, point, i) matrices (n, i, j) or (n, point, i, j) times vectors (n, k, point, j)."""
     matrix = matrix[:, None, None] if matrix.ndim == 3 else matrix[:, None]
-    columns = np.moveaxis(
-        vector, 3, 0
-    )  # sums of whole arrays: products of so small matrices one by one take longer
+    # sums of whole arrays: products of so small matrices one by one take longer
     rows = [
-        sum(matrix[..., i, j] * column for j, column in enumerate(columns)) for i in range(matrix.shape[-2])
+        sum(matrix[..., i, j] * vector[..., j] for j in range(matrix.shape[-1]))
+        for i in range(matrix.shape[-2])
     ]
     return np.stack(rows, axis=-1)
 

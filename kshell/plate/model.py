@@ -29,7 +29,7 @@ from kshell.scene.loads import Load
 from kshell.scene.placed import Placed
 from kshell.scene.structure import Structure
 from kshell.solvers import Prepared, Solution, prepare
-from kshell.solvers.dense import solve_dense
+from kshell.solvers.dense import DenseFactor, solve_dense
 from kshell.solvers.direct import Factorisation
 from kshell.solvers.dissection import dissected
 
@@ -68,6 +68,7 @@ class PlateModel(MovingModel):
         self.element, self.order = element, self.problem.element.maxdeg
         self.reasons = list(reasons)
         self._prepared: dict[str, Prepared] = {}  # by solver, for further loads and duals
+        self._dense: list[DenseFactor] = []  # the same of few unknowns, once it is made
         self._ahead: dict[str, Solved] = {}  # by solver, what `solve_ahead` found
         # what `solve_ahead` found for all loads, deflections (dof,), whose errors may be estimated together
         self.together: list[tuple[PlateProblem, Floats]] = []
@@ -188,7 +189,9 @@ class PlateModel(MovingModel):
         quintic = problem.element.maxdeg > 2
         slender = quintic and problem.size_over_height > SLENDER_FROM
         if problem.small and solver != "multigrid" and not slender:
-            found = solve_dense(problem.system.matrix, rhs)
+            if not self._dense:
+                self._dense.append(DenseFactor(problem.system.matrix))
+            found = solve_dense(self._dense[0], rhs)
             if found is not None:
                 return found
         # rounding of the matrix costs quintics digits on fine meshes: residuals through strains keep them
@@ -208,14 +211,16 @@ class PlateModel(MovingModel):
     def respond(self, load: Floats) -> Floats:
         if self.unknowns == 0:
             return np.zeros_like(load)
-        for prepared in self._prepared.values():
-            if isinstance(prepared, Factorisation):
-                x = np.asarray(prepared.apply(load), dtype=np.float64)
-                product, work = prepared.matrix @ x, np.abs(np.sum(load * x, axis=0))
-                if (np.abs(np.sum(x * (load - product), axis=0)) <= DUAL_TOLERANCE * work).all():
-                    return x
-            return np.asarray(prepared.solve(load, DUAL_TOLERANCE).x, dtype=np.float64)
-        return np.asarray(self._solve(load, "auto").x, dtype=np.float64)
+        known: list[Any] = [*(factor for factor in self._dense if factor.good), *self._prepared.values()]
+        for factor in known[:1]:
+            if not isinstance(factor, Factorisation | DenseFactor):
+                return np.asarray(factor.solve(load, DUAL_TOLERANCE).x, dtype=np.float64)
+            x = np.asarray(factor.apply(load), dtype=np.float64)
+            product, work = factor.matrix @ x, np.abs(np.sum(load * x, axis=0))
+            if (np.abs(np.sum(x * (load - product), axis=0)) <= DUAL_TOLERANCE * work).all():
+                return x
+        # refined as the solution itself, as far as that goes
+        return np.asarray(self._solve(load, next(iter(self._prepared), "auto")).x, dtype=np.float64)
 
     def recover(self, solved: Solved) -> Result:
         return recover(self.problem, solved.x, solved.own)

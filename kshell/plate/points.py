@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,7 +19,7 @@ Ints = NDArray[np.int64]
 # and the parabola through its ends and its middle
 AT_CURVE = 1e-3
 ROUNDING = 1e-12  # the same at straight edges
-FEW, KEPT = 16, 256  # points asked for at once that are kept, and how many times
+FEW, KEPT = 16, 256  # points asked for at once that are kept, and how many
 
 
 @dataclass(frozen=True)
@@ -41,9 +42,16 @@ class Located:
     xy: Floats
     distance: Floats
 
-    def copied(self) -> Located:
-        """Another one, whose arrays may be changed."""
-        return Located(self.triangles.copy(), self.xi.copy(), self.xy.copy(), self.distance.copy())
+    def of(self, place: int) -> Located:
+        """One of them."""
+        one = slice(place, place + 1)
+        return Located(self.triangles[one], self.xi[one], self.xy[one], self.distance[one])
+
+    @classmethod
+    def together(cls, parts: Sequence[Located]) -> Located:
+        """All of them, in arrays that may be changed."""
+        columns = zip(*((p.triangles, p.xi, p.xy, p.distance) for p in parts), strict=True)
+        return cls(*(np.concatenate(column) for column in columns))
 
 
 class PlatePoints:
@@ -66,15 +74,17 @@ class PlatePoints:
         return Locator(np.concatenate([nodes, np.zeros((*nodes.shape[:2], 1))], axis=2))
 
     def find(self, xy: Floats) -> Located:
-        """Locate points (n, 2); where few are asked for, as of probes, once."""
-        if len(xy) > FEW:
+        """Locate points (n, 2); where few are asked for, as of probes, each of them once."""
+        if len(xy) > FEW or not len(xy):
             return self._find(xy)
-        key = xy.tobytes()
-        if key not in self._known:
-            if len(self._known) >= KEPT:
-                self._known.clear()
-            self._known[key] = self._find(xy)
-        return self._known[key].copied()
+        keys = [point.tobytes() for point in xy]
+        if len(self._known) >= KEPT:
+            self._known.clear()
+        new = [k for k, key in enumerate(keys) if key not in self._known]
+        if new:
+            found = self._find(xy[new])
+            self._known.update({keys[k]: found.of(place) for place, k in enumerate(new)})
+        return Located.together([self._known[key] for key in keys])
 
     def _find(self, xy: Floats) -> Located:
         found = self._locator.find(np.concatenate([xy, np.zeros((len(xy), 1))], axis=1))

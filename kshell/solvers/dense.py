@@ -17,12 +17,43 @@ DENSE_UP_TO = 400
 HOPELESS = 1e-9  # relative energy error after refinement that a sparse solver shall look at
 
 
-def solve_dense(matrix: Floats, rhs: Floats) -> Solution | None:
-    """Solve A x = b, A positive definite, as a dense array.
+class DenseFactor:
+    """Cholesky factor of A, positive definite, for any number of loads.
 
     Parameters
     ----------
     matrix : (n, n) float array
+        Symmetric; the lower triangle is used.
+
+    Attributes
+    ----------
+    good : bool
+        False where the matrix is singular, nearly singular or not finite.
+    """
+
+    def __init__(self, matrix: Floats) -> None:
+        from scipy.linalg.lapack import dpotrf
+
+        begin = time.perf_counter()
+        self.matrix, self.good = matrix, False
+        if np.isfinite(matrix).all():
+            self._factor, info = dpotrf(matrix, lower=1)
+            self.good = info == 0 and bool(softest_vector(matrix, self.apply)[1] > FREE_MOTION)
+        self.seconds = time.perf_counter() - begin
+
+    def apply(self, right: Floats) -> Any:
+        """A^-1 right, not refined, (n,) or (n, load)."""
+        from scipy.linalg.lapack import dpotrs
+
+        return dpotrs(self._factor, right, lower=1)[0].reshape(right.shape)
+
+
+def solve_dense(matrix: Floats | DenseFactor, rhs: Floats) -> Solution | None:
+    """Solve A x = b, A positive definite, as a dense array.
+
+    Parameters
+    ----------
+    matrix : (n, n) float array or DenseFactor
         Symmetric; the lower triangle is used.
     rhs : (n,) or (n, load) float array
 
@@ -35,25 +66,13 @@ def solve_dense(matrix: Floats, rhs: Floats) -> Solution | None:
     InputError
         If the load is not finite.
     """
-    from scipy.linalg.lapack import dpotrf, dpotrs
-
-    begin = time.perf_counter()
-    b = checked_rhs(rhs, len(matrix))
-    if not np.isfinite(matrix).all():
-        return None
-    factor, info = dpotrf(matrix, lower=1)
-    if info != 0:
-        return None
-
-    def solve(right: Floats) -> Any:
-        return dpotrs(factor, right, lower=1)[0]
-
-    _, stiffness = softest_vector(matrix, solve)
-    if not stiffness > FREE_MOTION:
+    factor = matrix if isinstance(matrix, DenseFactor) else DenseFactor(matrix)
+    b = checked_rhs(rhs, len(factor.matrix))
+    if not factor.good:
         return None
     ready = time.perf_counter()
     columns = b.reshape(len(b), -1)
-    x, history, steps, residual = refine(matrix.__matmul__, columns, solve)
+    x, history, steps, residual = refine(factor.matrix.__matmul__, columns, factor.apply)
     if not (np.isfinite(x).all() and history[-1] <= HOPELESS):
         return None
     size = np.linalg.norm(columns, axis=0)
@@ -66,5 +85,5 @@ def solve_dense(matrix: Floats, rhs: Floats) -> Solution | None:
         history=history,
         energy_error=history[-1],
         residual=float(np.max(left / np.where(size > 0, size, 1.0), initial=0.0)),
-        seconds={"setup": ready - begin, "solve": time.perf_counter() - ready},
+        seconds={"setup": factor.seconds, "solve": time.perf_counter() - ready},
     )

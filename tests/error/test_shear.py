@@ -11,6 +11,9 @@ import pytest
 from skfem import MeshTri
 
 import kshell as ks
+from kshell.error.shear import shear_share
+from kshell.plate.model import PlateModel
+from kshell.scene.structure import resolve
 from tests.plate.plates import rectangle
 
 STEEL = ks.Isotropic(E=2e11, nu=0.3)
@@ -221,3 +224,20 @@ def test_thin_plates_say_nothing_of_shear_in_their_modes():
     assert 0 < result.error["budget"]["shear"] < 2e-3
     assert not any("shear" in words for words in result.warnings)
     assert ks.modes(supported(0.1), count=2, error="off").error["budget"]["shear"] is None
+
+
+def test_shear_of_a_probe_is_the_same_whatever_was_estimated_before():
+    """Of the first of two probes whose duals are solved together, and with a dual of its own."""
+    scene = dataclasses.replace(
+        square(ks.SoftSupported, 0.05),
+        mesh=rectangle(8),
+        probes={"a": (0.31, 0.42, 0.0), "b": (0.5, 0.5, 0.0)},
+    )
+    model = PlateModel(resolve(scene, scene.mesh), "argyris")
+    solved = model.solve()
+    alone = shear_share(model, solved, model.recover(solved), "a").share
+    assert share(scene, element="argyris") == pytest.approx(alone, rel=1e-9)
+    for probe in "ab":
+        one = dataclasses.replace(scene, probes={probe: scene.probes[probe]})
+        whole = share(scene, element="argyris", quantity=probe)
+        assert whole == pytest.approx(share(one, element="argyris"), rel=1e-9)

@@ -5,10 +5,11 @@ import pytest
 
 import kshell as ks
 from kshell.elements import ElementArgyris, ElementMorley
+from kshell.plate.model import PlateModel
 from kshell.plate.problem import PlateProblem
 from kshell.scene.structure import resolve
 from kshell.solvers import solve_system
-from kshell.solvers.dense import solve_dense
+from kshell.solvers.dense import DenseFactor, solve_dense
 from tests.plate.plates import UNIT, rectangle
 
 HELD = [ks.Clamped("left"), ks.SimplySupported("right"), ks.Elastic("top", 3.0)]
@@ -57,3 +58,25 @@ def test_small_plates_take_it_and_larger_ones_do_not():
     assert "LAPACK" not in large.solver["name"]
     assert "multigrid" in multigrid.solver["name"]
     assert multigrid.strain_energy == pytest.approx(small.strain_energy, rel=1e-8)
+
+
+@pytest.mark.parametrize("cells", [3, 8])
+def test_answers_to_further_loads_come_from_the_factor_of_the_first(cells):
+    """Of one load and of several, on few unknowns and on many."""
+    made = scene(rectangle(cells), HELD, [ks.Pressure("1 + x")])
+    model = PlateModel(resolve(made, made.mesh), "argyris")
+    assert model.problem.small == (cells == 3)
+    loads = np.random.default_rng(1).normal(size=(model.unknowns, 3))
+    alone = PlateModel(resolve(made, made.mesh), "argyris")
+    expected = np.linalg.solve(alone.problem.assembled.matrix.toarray(), loads)
+    model.solve()
+    found = model.respond(loads)
+    assert found == pytest.approx(expected, rel=0, abs=1e-8 * np.abs(expected).max())
+    assert model.respond(loads[:, 1]) == pytest.approx(found[:, 1], rel=0, abs=1e-14 * np.abs(found).max())
+    assert alone.respond(loads) == pytest.approx(expected, rel=0, abs=1e-8 * np.abs(expected).max())
+
+
+def test_a_factor_tells_whether_it_is_one():
+    assert DenseFactor(np.diag([2.0, 1.0])).good
+    assert not DenseFactor(np.diag([2.0, -1.0])).good
+    assert not DenseFactor(np.diag([2.0, np.inf])).good
