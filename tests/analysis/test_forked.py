@@ -72,8 +72,10 @@ def test_no_fork_beside_other_threads() -> None:
         thread.join()
 
 
+# whoever started the tests may have had interrupts ignored, as shells do for jobs in the background
 ALONE = """
 import os, signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
 import numpy as np
 from kshell.analysis.forked import Forked, can_fork
 from kshell.analysis.sweep import _warm_up
