@@ -34,6 +34,8 @@ def imported(tree: ast.AST, names: set[str]) -> set[str]:
     """The modules among `names` that a file imports, inside functions too, but not for types alone."""
     found: set[str] = set()
     for node in ast.iter_child_nodes(tree):
+        if not isinstance(node, ast.stmt | ast.ExceptHandler | ast.match_case):
+            continue  # in expressions there are no imports
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             continue
         if isinstance(node, ast.ImportFrom):

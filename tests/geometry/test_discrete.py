@@ -135,7 +135,7 @@ def errors() -> dict[str, tuple[dict[str, float], dict[str, float]]]:
     coarse, fine = 18, 36
     return {
         "regular": (torus_errors(coarse), torus_errors(fine)),
-        "crossed": (torus_errors(coarse, "crossed"), torus_errors(fine, "crossed")),
+        "crossed": (torus_errors(coarse, "crossed", balls=False), torus_errors(fine, "crossed", balls=False)),
         "shaken": (torus_errors(coarse, shake=0.2), torus_errors(fine, shake=0.2)),
     }
 
