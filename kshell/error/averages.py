@@ -99,9 +99,7 @@ class Averages:
             axis=-2,
         )
         self._compliance: Floats = np.linalg.inv(stiffness[:, 0])  # (1 or triangle, 6, 6)
-        self.hidden = hidden_by_foundations(
-            problem.structure, surface.order, middle.axes[:, 0, 2], middle.d[:, 0], middle.a[:, 0]
-        )
+        self.hidden = _hidden(problem, surface, middle)
         xi, weights = triangle_rule(2 * degree)
         values = lagrange(degree, xi)
         self._mass = 2.0 * np.einsum("q,qi,qj->ij", weights, values, values)
@@ -137,6 +135,19 @@ class Averages:
         here = self._fits.triangles, self._fits.nodes
         average[here] = in_space(self._fits.values(tensor), self._at.axes[here])
         return in_frame(spatial - average, self._middle)
+
+
+def hidden(problem: ShellProblem) -> Floats:
+    """`Averages.hidden` alone."""
+    surface = problem.discretisation.surface
+    if problem.springs is None:
+        return np.ones(len(surface.mesh.triangles))
+    return _hidden(problem, surface, _Places(problem.energy, surface, CENTROID))
+
+
+def _hidden(problem: ShellProblem, surface: Surface, middle: _Places) -> Floats:
+    normal, bending, membrane = middle.axes[:, 0, 2], middle.d[:, 0], middle.a[:, 0]
+    return hidden_by_foundations(problem.structure, surface.order, normal, bending, membrane)
 
 
 class _Places:

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from kshell.equilibrium.linear import solve_roughly
 from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, Assessment, Interval
-from kshell.error.averages import Averages
+from kshell.error.averages import Averages, hidden
 from kshell.error.estimate import Estimate
 from kshell.errors import InputError, SolveError
 from kshell.result.result import Result
@@ -74,10 +74,8 @@ def assess_difference(
         stored += 0.5 * float(x @ (problem.springs @ x))
     out = Assessment(why_not=WHY_NOT, geometry=0.0)
     own = result.strain_energy
-    averages = Averages(problem)
-    apart = float(
-        (averages.hidden * energy_of_difference(model, solved, problem.energy, strain, stress)).sum()
-    )
+    differing = energy_of_difference(model, solved, problem.energy, strain, stress)
+    apart = float((hidden(problem) * differing).sum())
     off = max(abs(own - stored), 0.5 * apart)
     out.energy = Estimate(own, SAFETY * off, LIKELY * SAFETY * off, "estimated", WHY_NOT)
     share = off / abs(own) if own != 0.0 else 0.0
@@ -87,8 +85,8 @@ def assess_difference(
         # of all of the motion: a small component is no better known for lying across a large one
         width = np.abs(value - moved) + share * float(np.linalg.norm(value))
         out.probes[name] = Interval(value, width, LIKELY * width, "estimated")
-    if marks and averages is not None:
-        local = averages.local(strain)
+    if marks:
+        local = Averages(problem).local(strain)
         for name in (ENERGY, *names):
             out.marks[name], out.parts[name] = local, np.zeros_like(local)
     return out
