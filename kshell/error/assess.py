@@ -40,6 +40,16 @@ def assess(
         Whether triangles are to be marked for refinement where that is work of its own.
     """
     wanted = list(model.structure.probes) if names is None else list(names)
+    out = _assessed(model, answer, result, duals, wanted, marks)
+    if out.probes:
+        out.resting(abs(float(result.extremes["deflection"]["value"])))
+    return out
+
+
+def _assessed(
+    model: Model, answer: Solved | State, result: Result, duals: int, wanted: list[str], marks: bool
+) -> Assessment:
+    """By the estimate of the model."""
     rest: Any = answer
     of: Any = model
     if (model.kind, model.element) == ("shell", "koiter"):

@@ -15,6 +15,7 @@ from kshell.result.result import Result
 Floats = NDArray[np.float64]
 
 ENERGY, PROBES = "energy", "probes"
+RESTING = 1e-12  # of the largest displacement: what is no motion but rounding, as its half width is
 MISSED = 3.0  # times a share of the loads that is missed: what it changes of displacements at most
 
 
@@ -181,6 +182,19 @@ class Assessment:
         probe = self.probes[name]
         size = float(np.linalg.norm(probe.value))
         self.probes[name] = probe.widened(more / size if size > 0.0 else 0.0, size)
+
+    def resting(self, size: float) -> None:
+        """Make exact what does not move: probes on supports, whose values and half widths are rounding of the rest.
+
+        Parameters
+        ----------
+        size : float
+            The largest displacement.
+        """
+        for name, p in self.probes.items():
+            if np.linalg.norm(p.value) + np.linalg.norm(p.half_width) <= RESTING * size:
+                still = np.zeros(3)
+                self.probes[name] = Interval(still, still, still, p.kind)
 
     def with_share(self, share: float) -> None:
         """Widen all intervals by a relative error of another origin, as that of the algebra."""

@@ -26,6 +26,7 @@ from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interval
 from kshell.error.chords import share_of_chords
 from kshell.error.corner_fits import SINGLE, CornerFits
+from kshell.error.corner_share import of_averages
 from kshell.error.curve_doubt import turns
 from kshell.error.estimate import Estimate
 from kshell.error.foundations import hidden_by_foundations
@@ -125,7 +126,8 @@ class _Averages:
         middle = mesh.points[mesh.triangles, :2].mean(axis=1)[:, None]
         stiffness = problem.bending.at(np.arange(len(middle)), middle)[:, 0]
         self._compliance: Floats = np.linalg.inv(stiffness).astype(np.float64)
-        self._hidden = hidden_by_foundations(problem.structure, order, np.eye(3)[2:], stiffness)
+        hidden = hidden_by_foundations(problem.structure, order, np.eye(3)[2:], stiffness)
+        self._factor: Floats = hidden * of_averages(problem)
         along = np.arange(degree - 1)
         inside = len(self.nodes) - 3 * degree  # each triangle's own
         parts = [
@@ -184,9 +186,7 @@ class _Averages:
         average = mean[self._number]
         average[self._fits.triangles, self._fits.nodes] = self._fits.values(moments)
         off = moments - average
-        own = np.asarray(
-            self._area * self._hidden * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2))
-        )
+        own = np.asarray(self._area * self._factor * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2)))
         own[self._untold] = own.max()  # these first
         return own
 

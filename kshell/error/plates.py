@@ -120,6 +120,8 @@ def assess_pair(pair: PlatePair, names: Sequence[str], strain_energy: float | No
         out.parts[name] = 0.5 * np.sqrt(np.abs(primal.local * dual.local))
         out.duals[name] = pair.conforming.full(dual.q, prescribed=False)
     out.geometry = 0.0
+    if names:
+        out.resting(pair.conforming.largest())
     return out
 
 
