@@ -23,7 +23,7 @@ from kshell.elements.hierarchic import orthonormal
 from kshell.elements.quadrature import triangle_rule
 from kshell.elements.reference import VERTICES
 from kshell.equilibrium.model import Solved
-from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interval
+from kshell.error.assessment import ENERGY, RESTING, Assessment, Interval, energy_interval
 from kshell.error.chords import share_of_chords
 from kshell.error.corner_fits import SINGLE, CornerFits
 from kshell.error.corner_share import of_averages
@@ -32,10 +32,11 @@ from kshell.error.estimate import Estimate
 from kshell.error.foundations import hidden_by_foundations
 from kshell.error.geometry_share import PAIRS
 from kshell.error.marking import doerfler
-from kshell.error.plates import deflection_rows, geometry_share, goal_marks
+from kshell.error.plates import AT_VERTEX, deflection_rows, geometry_share, goal_marks, on_held_edges
 from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.hhj.numbering import Held
+from kshell.plate.hhj.recovery import HHJFields
 from kshell.plate.hhj.state import HHJSolution
 from kshell.plate.loads import Loads
 from kshell.plate.model import PlateModel
@@ -84,14 +85,22 @@ def assess_averages(
     out.energy = Estimate(result.strain_energy, half, expected, "estimated", WHY_NOT)
     out.marks[ENERGY], out.parts[ENERGY] = own, 0.5 * safety * own
     chosen = list(names)[:duals]
+    largest = abs(float(result.extremes["deflection"]["value"])) if chosen else 0.0
     for name, moments in zip(chosen, _dual_moments(model, chosen, averages.nodes), strict=True):
         dual = averages.local(moments)
         out.parts[name] = safety * np.sqrt(own * dual)
         width = float(out.parts[name].sum())
-        if averages.constant and isinstance(model, HHJModel):
-            width += safety * averages.bulge(problem, name, _moments(solved.own, averages.nodes[:1])[:, 0])
-        along = np.array([0.0, 0.0, width + unknown])
         value = result.motion_at_probe(name)
+        if isinstance(model, HHJModel):
+            if averages.constant:
+                width += safety * averages.bulge(
+                    problem, name, _moments(solved.own, averages.nodes[:1])[:, 0]
+                )
+            else:
+                between = _Between(model, solved, name)
+                still = between.on_held and abs(between.own) <= RESTING * largest
+                value, width = (np.zeros(3), 0.0) if still else (value, width + between.apart)
+        along = np.array([0.0, 0.0, width + unknown])
         out.probes[name] = Interval(value, along, along / (2.0 * safety), "estimated")
         out.marks[name] = goal_marks(own, dual)
     out.geometry = _chords(problem) if isinstance(model, PlateModel) else geometry_share(problem.domain)
@@ -249,6 +258,35 @@ def _dual_moments(model: PlateModel | HHJModel, names: Sequence[str], nodes: Flo
             system.arcs.to_unknowns(load.local)
         out.append(_moments(system.solve(load, Held()), nodes))
     return out
+
+
+class _Between:
+    """A probe that is no vertex.
+
+    Attributes
+    ----------
+    apart : float
+        What its deflection may be off by because it is one of its triangle, not of the element's unknowns.
+    own : float
+        The deflection of the element's unknowns.
+    on_held : bool
+        Whether supports hold it there.
+    """
+
+    def __init__(self, model: HHJModel, solved: Solved, name: str) -> None:
+        problem = model.problem
+        place = np.array(problem.structure.probes[name])[None, :2]
+        self.on_held = bool(on_held_edges(problem, place)[0])
+        found = problem.locator.find(place)
+        triangles, xi = found.triangles.astype(np.int64), found.xi.reshape(1, 1, 2)
+        fields = HHJFields(problem, model.loads, model.system(), solved.own)
+        self.own = float(fields.of_the_element(triangles, xi, 0).item())
+        self.apart = 0.0
+        if np.abs(xi[0] - VERTICES).max(axis=1).min() > AT_VERTEX:
+            held = np.zeros(len(problem.mesh.edges), dtype=bool)
+            for group in problem.supports.held:
+                held[group.line] = True
+            self.apart = fields.apart(int(triangles[0]), held)
 
 
 def _chords(problem: PlateProblem) -> float:

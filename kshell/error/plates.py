@@ -83,7 +83,8 @@ def _dual_cases(model: PlateModel, names: Sequence[str]) -> list[Loaded]:
     rows, triangles, at_vertex = deflection_rows(problem, places)
     reduction = problem.reduction.matrix()
     z = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))
-    inner = [[] if known else [triangles[k : k + 1]] for k, known in enumerate(at_vertex)]
+    still = on_held_edges(problem, places)
+    inner = [[] if known else [triangles[k : k + 1]] for k, known in enumerate(at_vertex | still)]
     return [Loaded(z[:, k], inner=inner[k]) for k in range(len(names))]
 
 
@@ -153,6 +154,22 @@ def deflection_rows(problem: PlateProblem, xy: Floats) -> tuple[Floats, Ints, ND
     corners = problem.domain.points[problem.mesh.triangles[triangles]]
     nearest = np.linalg.norm(corners - found.xy[:, None], axis=2).min(axis=1)
     return out, triangles.astype(np.int64), nearest <= AT_VERTEX * problem.mesh.size
+
+
+def on_held_edges(problem: PlateProblem, xy: Floats) -> NDArray[np.bool_]:
+    """(n,) whether places (n, 2) lie on edges along which supports hold the deflection, between vertices or at them."""
+    mesh = problem.mesh
+    held = np.zeros(len(mesh.edges), dtype=bool)
+    for group in problem.supports.held:
+        held[group.line] = True
+    ends = problem.domain.points[mesh.edges[held]]
+    side = ends[:, 1] - ends[:, 0]
+    length = np.hypot(side[:, 0], side[:, 1])
+    off = xy[:, None] - ends[:, 0]  # (n, edge, 2)
+    across = np.abs(off[..., 0] * side[:, 1] - off[..., 1] * side[:, 0]) / length
+    along = (off * side).sum(axis=2) / length**2
+    on = (across <= AT_VERTEX * mesh.size) & (along >= -AT_VERTEX) & (along <= 1.0 + AT_VERTEX)
+    return np.asarray(on.any(axis=1))
 
 
 def _along_z(u: Floats, half: float, expected: float, kind: str) -> Interval:

@@ -33,6 +33,8 @@ from kshell.plate.recovery import Fields
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+ALONG = np.array([0.2, 0.5, 0.8])  # of edges, where deflections of their triangles are compared
+
 
 class HHJFields(Fields):
     """Everything that can be read off a solution.
@@ -64,7 +66,7 @@ class HHJFields(Fields):
         if order > 1:
             raise ValueError("curvatures are those of the moments")
         if self.system.order == 1:  # whose deflection is no closer to its unknowns than to the true one
-            return self._of_the_element(triangles, xi, order)
+            return self.of_the_element(triangles, xi, order)
         finer = self.finer
 
         def evaluate(chosen: Ints, own: Floats) -> Floats:
@@ -76,7 +78,7 @@ class HHJFields(Fields):
 
         return self._on_sorted(triangles, xi, evaluate)
 
-    def _of_the_element(self, triangles: Ints, xi: Floats, order: int) -> Floats:
+    def of_the_element(self, triangles: Ints, xi: Floats, order: int) -> Floats:
         """The same of the element's own deflection."""
         t = self.system.tables
 
@@ -88,6 +90,27 @@ class HHJFields(Fields):
             return reference @ self.system.triangles.inverse[chosen]
 
         return self._on_sorted(triangles, xi, evaluate)
+
+    def apart(self, triangle: int, held: NDArray[np.bool_]) -> float:
+        """How far w in a triangle lies from that of its neighbours along its edges, and from what holds them there.
+
+        It is off by as much somewhere at least, however small the error of the element's own unknowns is.
+
+        Parameters
+        ----------
+        held : (edge,) bool array
+            Edges of the mesh along which the deflection is held.
+        """
+        edges = self.domain.mesh.triangle_edges[triangle].astype(np.int64)
+        sides = [self.domain.edge_points(edges, ALONG, ALONG, side=side) for side in range(2)]
+        values = [self.derivatives(patch.triangles, patch.xi, 0) for patch in sides]
+        off = [float(np.abs(values[1] - values[0]).max())]
+        for patch, value in zip(sides, values, strict=True):
+            at = np.flatnonzero(held[edges] & (patch.triangles == triangle))
+            if len(at):
+                exact = self.of_the_element(patch.triangles[at], patch.xi[at], 0)
+                off.append(float(np.abs(value[at] - exact).max()))
+        return max(off)
 
     def moment(self, triangles: Ints, xi: Floats, xy: Floats) -> Floats:
         """M_xx, M_yy, M_xy (n, point, 3)."""
