@@ -24,6 +24,7 @@ from kshell.elements.quadrature import triangle_rule
 from kshell.elements.reference import VERTICES
 from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, RESTING, Assessment, Interval, energy_interval
+from kshell.error.between import Between
 from kshell.error.chords import share_of_chords
 from kshell.error.corner_fits import SINGLE, CornerFits
 from kshell.error.corner_share import of_averages
@@ -32,11 +33,10 @@ from kshell.error.estimate import Estimate
 from kshell.error.foundations import hidden_by_foundations
 from kshell.error.geometry_share import PAIRS
 from kshell.error.marking import doerfler
-from kshell.error.plates import AT_VERTEX, deflection_rows, geometry_share, goal_marks, on_held_edges
+from kshell.error.plates import deflection_rows, geometry_share, goal_marks
 from kshell.plate.domain import Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.hhj.numbering import Held
-from kshell.plate.hhj.recovery import HHJFields
 from kshell.plate.hhj.state import HHJSolution
 from kshell.plate.loads import Loads
 from kshell.plate.model import PlateModel
@@ -97,7 +97,7 @@ def assess_averages(
                     problem, name, _moments(solved.own, averages.nodes[:1])[:, 0]
                 )
             else:
-                between = _Between(model, solved, name)
+                between = Between(model, solved, name)
                 still = between.on_held and abs(between.own) <= RESTING * largest
                 value, width = (np.zeros(3), 0.0) if still else (value, width + between.apart)
         along = np.array([0.0, 0.0, width + unknown])
@@ -195,7 +195,9 @@ class _Averages:
         average = mean[self._number]
         average[self._fits.triangles, self._fits.nodes] = self._fits.values(moments)
         off = moments - average
-        own = np.asarray(self._area * self._factor * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2)))
+        own = np.asarray(
+            self._area * self._factor * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2))
+        )
         own[self._untold] = own.max()  # these first
         return own
 
@@ -258,35 +260,6 @@ def _dual_moments(model: PlateModel | HHJModel, names: Sequence[str], nodes: Flo
             system.arcs.to_unknowns(load.local)
         out.append(_moments(system.solve(load, Held()), nodes))
     return out
-
-
-class _Between:
-    """A probe that is no vertex.
-
-    Attributes
-    ----------
-    apart : float
-        What its deflection may be off by because it is one of its triangle, not of the element's unknowns.
-    own : float
-        The deflection of the element's unknowns.
-    on_held : bool
-        Whether supports hold it there.
-    """
-
-    def __init__(self, model: HHJModel, solved: Solved, name: str) -> None:
-        problem = model.problem
-        place = np.array(problem.structure.probes[name])[None, :2]
-        self.on_held = bool(on_held_edges(problem, place)[0])
-        found = problem.locator.find(place)
-        triangles, xi = found.triangles.astype(np.int64), found.xi.reshape(1, 1, 2)
-        fields = HHJFields(problem, model.loads, model.system(), solved.own)
-        self.own = float(fields.of_the_element(triangles, xi, 0).item())
-        self.apart = 0.0
-        if np.abs(xi[0] - VERTICES).max(axis=1).min() > AT_VERTEX:
-            held = np.zeros(len(problem.mesh.edges), dtype=bool)
-            for group in problem.supports.held:
-                held[group.line] = True
-            self.apart = fields.apart(int(triangles[0]), held)
 
 
 def _chords(problem: PlateProblem) -> float:
