@@ -1,6 +1,7 @@
 """The notebooks: they run, and what is committed is what the scripts make."""
 
 import json
+import re
 from pathlib import Path
 
 import matplotlib as mpl
@@ -48,6 +49,8 @@ def test_the_notebook_belongs_to_its_script_and_kept_its_outputs(name):
     assert [(cell["cell_type"], "".join(cell["source"])) for cell in notebook["cells"]] == cells(name)
     outputs = [output for cell in notebook["cells"] for output in cell.get("outputs", [])]
     assert not [output for output in outputs if output["output_type"] == "error"]
+    printed = "".join("".join(output.get("text", ())) for output in outputs)
+    assert not re.search(r"/(tmp|home|root|work|Users)/\w", printed)  # paths of the machine that made it
     assert sum("image/png" in output.get("data", {}) for output in outputs) >= PICTURES[name]
 
 

@@ -7,10 +7,13 @@
 
 # %%
 import textwrap
+import warnings
 
+import kshell as ks
 from verification.failures import GALLERY, measured
 from verification.failures.failure import text_table
 
+warnings.simplefilter("ignore", ks.KshellWarning)
 quick = False
 
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 FOLDER = Path(__file__).parent
 # pictures small enough for the repository
-SETUP = "%matplotlib inline\n"
-SETUP += "%config InlineBackend.figure_formats = ['png']\n%config InlineBackend.rc = {'figure.dpi': 66}"
+SETUP = "%matplotlib inline\n%config InlineBackend.figure_formats = ['png']\n"
+SETUP += "import matplotlib\nmatplotlib.rcParams['figure.dpi'] = 66"
 
 
 def cells_of(script: str) -> list[tuple[str, str]]:
@@ -27,6 +28,21 @@ def cells_of(script: str) -> list[tuple[str, str]]:
         else:
             cells.append(("code", body.strip()))
     return cells
+
+
+def joined(outputs: list[Any]) -> list[Any]:
+    """The outputs of a cell with the pieces of a text in one, whose number depends on how fast they were printed."""
+    result: list[Any] = []
+    for output in outputs:
+        before = result[-1] if result else {}
+        if (
+            output["output_type"] == before.get("output_type") == "stream"
+            and output["name"] == before["name"]
+        ):
+            before["text"] += output["text"]
+        else:
+            result.append(output)
+    return result
 
 
 def make(name: str) -> Path:
@@ -51,6 +67,11 @@ def make(name: str) -> Path:
     first.source = source
     for cell in made.cells:
         cell.metadata.pop("execution", None)  # times of this run
+        if cell.cell_type == "code":
+            cell.outputs = joined(cell.outputs)
+            for output in cell.outputs:
+                if output["output_type"] == "stream":  # warnings say where they come from
+                    output["text"] = output["text"].replace(f"{FOLDER.parent.parent}/", "")
     kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
     made.metadata = {"language_info": {"name": "python"}, "kernelspec": kernel}
     path = FOLDER / f"{name}.ipynb"
