@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from kshell.error.curve_doubt import turns
 from kshell.mesh.higher import order_of
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.vectors import cross
 from kshell.plate.rims import edge_curves
 
 Floats = NDArray[np.float64]
@@ -39,19 +40,19 @@ def share_of_flat_parts(mesh: Mesh, pieces: Ints) -> float:
     if order > 2:
         return 0.0
     x = mesh.points[mesh.triangles]
-    normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    normal = cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    missed, whole = 0.0, 0.0
-    for piece in np.unique(pieces):
-        triangles = np.flatnonzero(pieces == piece)
-        if np.linalg.norm(np.cross(normal[triangles], normal[triangles[0]]), axis=1).max() > PLANE:
-            continue
-        flat = _in_its_plane(mesh, triangles)
-        curves = edge_curves(flat, flat.boundary_edges)
-        turn, length = np.where(curves.curved, turns(curves), 0.0), flat.edge_lengths[curves.edges]
-        missed += float(((CHORDS * turn**2 if order == 1 else PARABOLAS * turn**4) * length).sum())
-        whole += float(length.sum())
-    return missed / whole if missed > 0.0 else 0.0
+    _, first, piece = np.unique(pieces, return_index=True, return_inverse=True)
+    bent = np.linalg.norm(cross(normal, normal[first[piece]]), axis=1) > PLANE
+    flat = np.ones(len(first), dtype=bool)
+    flat[piece[bent]] = False
+    if not flat.any():
+        return 0.0
+    found = _in_their_planes(mesh, np.flatnonzero(flat[piece]), piece, first)
+    curves = edge_curves(found, found.boundary_edges)
+    turn, length = np.where(curves.curved, turns(curves), 0.0), found.edge_lengths[curves.edges]
+    missed = float(((CHORDS * turn**2 if order == 1 else PARABOLAS * turn**4) * length).sum())
+    return missed / float(length.sum()) if missed > 0.0 else 0.0
 
 
 def words(share: float) -> str:
@@ -62,19 +63,30 @@ def words(share: float) -> str:
     )
 
 
-def _in_its_plane(mesh: Mesh, triangles: NDArray[np.integer]) -> Mesh:
-    """Some triangles of one plane, in two of its axes."""
-    vertices, corners = np.unique(mesh.triangles[triangles].ravel(), return_inverse=True)
-    x = mesh.points[vertices] - mesh.points[vertices[0]]
-    a, b, c = x[corners.reshape(-1, 3)[0]]
-    first = (b - a) / np.linalg.norm(b - a)
-    second = (c - a) - ((c - a) @ first) * first
-    axes = np.stack([first, second / np.linalg.norm(second)])
-    flat = x @ axes.T
-    own = corners.reshape(-1, 3)
-    edge = flat[own]
-    turned = np.linalg.det(np.stack([edge[:, 1] - edge[:, 0], edge[:, 2] - edge[:, 0]], axis=1)) < 0.0
-    own = np.where(turned[:, None], own[:, ::-1], own)
+def _in_their_planes(mesh: Mesh, triangles: Ints, piece: Ints, first: Ints) -> Mesh:
+    """Triangles of flat pieces, each piece in two axes of its plane and with vertices of its own.
+
+    Parameters
+    ----------
+    triangles : (n,) int array
+    piece : (triangle,) int array
+        Of all triangles.
+    first : (piece,) int array
+        A triangle of each.
+    """
+    count = len(mesh.points)
+    key, own = np.unique(piece[triangles, None] * count + mesh.triangles[triangles], return_inverse=True)
+    of, vertex = np.divmod(key, count)
+    some, begin, number = np.unique(of, return_index=True, return_inverse=True)
+    a, b, c = np.moveaxis(mesh.points[mesh.triangles[first[some]]], 1, 0)
+    one = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    other = (c - a) - ((c - a) * one).sum(axis=1, keepdims=True) * one
+    axes = np.stack([one, other / np.linalg.norm(other, axis=1, keepdims=True)], axis=1)
+    x = mesh.points[vertex] - mesh.points[vertex[begin[number]]]
+    flat = np.einsum("nax,nx->na", axes[number], x)
+    own = own.reshape(-1, 3)
+    (u, v), (s, t) = (flat[own[:, k]].T - flat[own[:, 0]].T for k in (1, 2))
+    own = np.where((u * t - v * s < 0.0)[:, None], own[:, ::-1], own)
     return Mesh(
         np.column_stack([flat, np.zeros(len(flat))]), own.astype(np.int32), None, {}
     )  # checked as a part

@@ -32,6 +32,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.elements.reference import monomials
+from kshell.mesh.vectors import cross
 from kshell.shell.reference import EDGES
 
 Floats = NDArray[np.float64]
@@ -128,11 +129,11 @@ def carried(one: Floats, other: Floats) -> Floats:
     """R (..., 2, 2) from one frame (..., 3, 3) to another, its normal turned onto the other's by the least angle."""
     n, m = np.broadcast_arrays(one[..., 2, :], other[..., 2, :])
     side = np.where((n * m).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)  # triangles may show their backs
-    axis, cosine = np.cross(n, side * m), side * (n * m).sum(axis=-1, keepdims=True)
+    axis, cosine = cross(n, side * m), side * (n * m).sum(axis=-1, keepdims=True)
     tangents = np.broadcast_arrays(one[..., :2, :], other[..., :2, :])[0]
     axis = axis[..., None, :]
     along = (axis * tangents).sum(axis=-1, keepdims=True) / (1.0 + cosine[..., None])
-    moved = cosine[..., None] * tangents + np.cross(axis, tangents) + axis * along
+    moved = cosine[..., None] * tangents + cross(axis, tangents) + axis * along
     return np.asarray(other[..., :2, :] @ moved.swapaxes(-1, -2))
 
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh import quadratic
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.vectors import cross
 
 Floats = NDArray[np.float64]
 
@@ -57,7 +58,7 @@ def _angles(mesh: Mesh) -> Floats:
         return np.zeros((len(mesh.triangles), 3))
     n = _normals(mesh)
     angle = [
-        np.arctan2(np.linalg.norm(np.cross(n[i], n[j]), axis=1), (n[i] * n[j]).sum(axis=1)) for i, j in PAIRS
+        np.arctan2(np.linalg.norm(cross(n[i], n[j]), axis=1), (n[i] * n[j]).sum(axis=1)) for i, j in PAIRS
     ]
     return np.where(np.stack(angle, axis=1) < FLAT, 0.0, np.stack(angle, axis=1))
 
@@ -67,7 +68,7 @@ def domed(mesh: Mesh) -> Floats:
     if mesh.midpoints is None:
         return np.zeros(len(mesh.triangles))
     n = _normals(mesh)
-    area = 0.5 * (np.cross(n[1] - n[0], n[2] - n[0]) * n[0]).sum(axis=1)
+    area = 0.5 * (cross(n[1] - n[0], n[2] - n[0]) * n[0]).sum(axis=1)
     turn = np.maximum(turn_of_triangles(mesh), FLAT)
     return np.asarray(np.clip(area / (ROUND * turn**2), 0.0, 1.0))
 
@@ -82,7 +83,7 @@ def _normals(mesh: Mesh) -> Floats:
 def turn_between(mesh: Mesh, pieces: NDArray[np.integer]) -> Floats:
     """(triangle,) largest angle to a neighbour of the same smooth piece, of flat triangles."""
     x = mesh.points[mesh.triangles]
-    n = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    n = cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     n /= np.linalg.norm(n, axis=1, keepdims=True)
     order = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
     edges, triangles = mesh.triangle_edges.ravel()[order], order // 3
@@ -91,7 +92,7 @@ def turn_between(mesh: Mesh, pieces: NDArray[np.integer]) -> Floats:
     smooth = pieces[one] == pieces[other]
     one, other = one[smooth], other[smooth]
     angle = np.arctan2(
-        np.linalg.norm(np.cross(n[one], n[other]), axis=1), np.abs((n[one] * n[other]).sum(axis=1))
+        np.linalg.norm(cross(n[one], n[other]), axis=1), np.abs((n[one] * n[other]).sum(axis=1))
     )
     out = np.zeros(len(mesh.triangles))
     np.maximum.at(out, one, angle)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh.orient import shared_edges
 from kshell.mesh.triangulation import Triangulation
+from kshell.mesh.vectors import cross
 
 Floats = NDArray[np.float64]
 
@@ -38,14 +39,14 @@ def facets(mesh: Triangulation) -> Facets | None:
     if mesh.midpoints is not None:
         return None
     a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     pairs, agree = shared_edges(mesh)
     if not len(pairs):
         return None
     one, other = normal[pairs[:, 0] // 3], normal[pairs[:, 1] // 3]
     other = np.where(agree[:, None], other, -other)
-    angle = np.arctan2(np.linalg.norm(np.cross(one, other), axis=1), np.sum(one * other, axis=1))
+    angle = np.arctan2(np.linalg.norm(cross(one, other), axis=1), np.sum(one * other, axis=1))
     curved = (angle > SMALLEST) & (angle < LARGEST)
     if curved.mean() <= FEW:
         return None

@@ -10,6 +10,7 @@ from kshell.mesh.build import reversed_triangles
 from kshell.mesh.connected import connected_parts
 from kshell.mesh.orient import shared_edges
 from kshell.mesh.triangulation import M, Triangulation
+from kshell.mesh.vectors import cross
 from kshell.mesh.words import place
 
 Floats = NDArray[np.float64]
@@ -34,7 +35,7 @@ def top_words(mesh: Triangulation) -> list[str]:
 
 def _area_vectors(mesh: Triangulation) -> Floats:
     a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
-    return 0.5 * np.cross(b - a, c - a)
+    return 0.5 * cross(b - a, c - a)
 
 
 def _way(mesh: Triangulation, members: Ints) -> str:
@@ -110,6 +111,6 @@ def _solid_angles(mesh: Triangulation, eye: Floats) -> Floats:
     """
     a, b, c = (mesh.points[mesh.triangles[:, k]] - eye for k in range(3))
     la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    volume = (a * np.cross(b, c)).sum(axis=1)
+    volume = (a * cross(b, c)).sum(axis=1)
     rest = la * lb * lc + (a * b).sum(axis=1) * lc + (b * c).sum(axis=1) * la + (a * c).sum(axis=1) * lb
     return 2 * np.arctan2(volume, rest)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.triangulation import EDGE_VERTICES, Triangulation
+from kshell.mesh.vectors import cross
 
 Floats = NDArray[np.float64]
 
@@ -48,22 +49,13 @@ def normals(nodes: Floats, barycentric: Floats) -> Floats:
     barycentric : (point, 3) array
     """
     tangents = np.einsum("pdn,tnx->dptx", gradients(barycentric), nodes)
-    return _cross(tangents[0], tangents[1])
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """Vector product of (..., 3) arrays; numpy's takes longer than all else on meshes of a few triangles."""
-    out = np.empty(a.shape)
-    for k in range(3):
-        i, j = (k + 1) % 3, (k + 2) % 3
-        out[..., k] = a[..., i] * b[..., j] - a[..., j] * b[..., i]
-    return out
+    return cross(tangents[0], tangents[1])
 
 
 def inside_out(mesh: Triangulation, midpoints: Floats) -> NDArray[np.int64]:
     """Triangles whose normal turns back at one of their nodes, the worst first."""
     x = node_points(mesh, midpoints)
-    normal = _cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+    normal = cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     at_nodes = normals(x, NODES)  # (node, triangle, 3)
     # 1 for a flat triangle with straight edges
     worst = np.sum(at_nodes * normal, axis=2).min(axis=0) / np.sum(normal**2, axis=1)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from kshell.material.tensors import principal, principal_angle, von_mises
 from kshell.mesh.mesh import Mesh
+from kshell.mesh.vectors import cross
 from kshell.mesh.words import place
 from kshell.result.deferred import Deferred
 from kshell.scene.places import Point, ProbePoint
@@ -160,7 +161,7 @@ def _completed(values: Mapping[str, Any]) -> dict[str, Any]:
 def _directions(probe: Mapping[str, Any], stress: Floats) -> Floats:
     """(2, 3) unit vectors of the principal stresses, the larger first."""
     first = probe.get("axis_1", np.array([1.0, 0.0, 0.0]))
-    second = np.cross(probe.get("normal", np.array([0.0, 0.0, 1.0])), first)
+    second = cross(probe.get("normal", np.array([0.0, 0.0, 1.0])), first)
     angle = principal_angle(stress)
     c, s = np.cos(angle), np.sin(angle)
     return np.stack([c * first + s * second, c * second - s * first])

@@ -71,6 +71,7 @@ class ShellFields:
         self.mesh, self.recovery, self.find = mesh, recovery, find
         self._recovered = Recovered(recovery, section, offset, left)
         self._vertices = VertexFields(mesh, self._recovered, patches, rows, corner_angles)
+        self._last: tuple[bytes, list[dict[str, Any]]] | None = None
 
     @property
     def vertex_fields(self) -> Deferred[Floats]:
@@ -125,14 +126,19 @@ class ShellFields:
             normal of the frame, each (n, 3), Q (n, 2) except of order 1, and distance (n,) to the point used.
         """
         found = self.find(np.asarray(points, dtype=float))
-        out = self._values(found.triangles, found.xi)
+        shown: dict[int, dict[str, Any]] = {}
         if self.rows.extra:
             weights = np.concatenate([1 - found.xi.sum(axis=1, keepdims=True), found.xi], axis=1)
-            for k in np.flatnonzero((weights <= 1 - AT_VERTEX).any(axis=1)):
+            for k in np.flatnonzero((weights <= 1 - AT_VERTEX).any(axis=1)).tolist():
                 beside = self._beside(int(found.triangles[k]), found.xi[k])
                 if len(beside) > 1:
-                    for name, value in self._shown(beside).items():
-                        out[name][k] = value
+                    shown[k] = self._shown(beside)
+        if shown and len(shown) == len(found.triangles):
+            return self._together(list(shown.values()), points)
+        out = self._values(found.triangles, found.xi)
+        for k, values in shown.items():
+            for name, value in values.items():
+                out[name][k] = value
         return {**out, "distance": np.linalg.norm(out["x"] - points, axis=1)}
 
     def sampled(self, xi: Floats) -> Deferred[Floats]:
@@ -190,7 +196,7 @@ class ShellFields:
         if len(beside) < 2:
             return {}
         names = self.rows.names_of([triangle for triangle, _ in beside])
-        return {name: self._at(*place) for name, place in zip(names, beside, strict=True)}
+        return dict(zip(names, self._each(beside), strict=True))
 
     def _together(self, rows: list[dict[str, Any]], points: Floats) -> dict[str, Floats]:
         out = {name: np.array([row[name] for row in rows]) for name in rows[0]}
@@ -199,7 +205,7 @@ class ShellFields:
 
     def _shown(self, beside: list[tuple[int, Floats]]) -> dict[str, Any]:
         """Values of the sheet with the largest stress, or where there are no stresses with the largest moment."""
-        values = [self._at(triangle, xi) for triangle, xi in beside]
+        values = self._each(beside)
         tensors = [f"stress_{face}" for face in FACES if f"stress_{face}" in values[0]] or ["M"]
         size = [max(float(von_mises(each[name])) for name in tensors) for each in values]
         return values[int(np.argmax(np.array(size) > (1 - SAME) * max(size)))]
@@ -226,8 +232,15 @@ class ShellFields:
             out.append((t, place[1:] / place.sum()))
         return out
 
-    def _at(self, triangle: int, xi: Floats) -> dict[str, Floats]:
-        return {name: part[0] for name, part in self._values(np.array([triangle]), xi[None]).items()}
+    def _each(self, beside: list[tuple[int, Floats]]) -> list[dict[str, Any]]:
+        """Values at some places; those of the last ones are kept, which are asked for twice."""
+        triangles, xi = np.array([t for t, _ in beside]), np.array([at for _, at in beside])
+        key = triangles.tobytes() + xi.tobytes()
+        if self._last is None or self._last[0] != key:
+            found = self._values(triangles, xi)
+            each = [{name: part[k] for name, part in found.items()} for k in range(len(beside))]
+            self._last = key, each
+        return self._last[1]
 
     def _values(self, triangles: Ints, xi: Floats) -> dict[str, Floats]:
         """Values at one reference point (n, 2) in each of some triangles (n,)."""

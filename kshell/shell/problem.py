@@ -18,6 +18,7 @@ from kshell.errors import InputError
 from kshell.material.materials import rotated
 from kshell.mesh import quadratic
 from kshell.mesh.closest import Locator
+from kshell.mesh.vectors import cross
 from kshell.mesh.words import place
 from kshell.result.rows import Rows
 from kshell.scene.lines import shell_lines
@@ -247,7 +248,7 @@ class ShellProblem:
             return []
         mesh = self.space
         corners = mesh.points[mesh.triangles]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[None]
+        normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[None]
         if mesh.midpoints is not None:
             normal = quadratic.normals(quadratic.node_points(mesh, mesh.midpoints), quadratic.NODES)
         along = (np.abs(normal[..., 0]) / np.linalg.norm(normal, axis=2)).max(axis=0)

@@ -11,6 +11,7 @@ from kshell.material.section import Section
 from kshell.mesh.facets import facets
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.near import in_balls
+from kshell.mesh.vectors import cross
 from kshell.mesh.words import count, place
 from kshell.shell.discretisation import Discretisation
 from kshell.shell.limits import THINNEST
@@ -73,9 +74,9 @@ def _locking(mesh: Mesh, discretisation: Discretisation, section: Section) -> li
     if t >= (THINNEST if argyris else THINNEST_LINEAR) * size:
         return []
     corners = mesh.points[mesh.triangles]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    if np.linalg.norm(np.cross(normal, normal[0]), axis=1).max() < FLAT:
+    if np.linalg.norm(cross(normal, normal[0]), axis=1).max() < FLAT:
         return []
     what, instead = (
         ('element = "argyris" on a chart', 'leave element out or take "koiter"')
@@ -145,12 +146,12 @@ def contacts(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
     apart = ~_is_corner(mesh.triangles, near, triangle)
     near, triangle = near[apart], triangle[apart]
     a, b, c = (corners[triangle, k] for k in range(3))
-    normal = np.cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     twice = np.linalg.norm(normal, axis=1)
     offset = mesh.points[near] - a
     height = np.abs(np.sum(offset * normal, axis=1)) / twice
-    second = np.sum(np.cross(offset, c - a) * normal, axis=1) / twice**2
-    third = np.sum(np.cross(b - a, offset) * normal, axis=1) / twice**2
+    second = np.sum(cross(offset, c - a) * normal, axis=1) / twice**2
+    third = np.sum(cross(b - a, offset) * normal, axis=1) / twice**2
     barycentric = np.stack([1.0 - second - third, second, third], axis=1)
     side = barycentric < ON_TRIANGLE  # on the edge opposite to the corner
     opposite = mesh.triangle_edges[triangle][:, [1, 2, 0]]
@@ -183,7 +184,7 @@ def _heights(
     corners: Floats, points: Floats, those: Sequence[NDArray[np.integer]], triangle: NDArray[np.integer]
 ) -> list[Floats]:
     """(pair,) heights above the planes of triangles, of one point each or several."""
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     across, first = normal[triangle], corners[:, 0][triangle]
     return [np.einsum("px,px->p", across, points[point] - first) for point in those]
@@ -213,14 +214,14 @@ def crossings(mesh: Mesh) -> tuple[NDArray[np.integer], NDArray[np.integer], Flo
     # Moeller and Trumbore 1997: start + s along = a + u (b - a) + v (c - a)
     start, along = ends[edge, 0], ends[edge, 1] - ends[edge, 0]
     a, b, c = (corners[triangle, k] for k in range(3))
-    p = np.cross(along, c - a)
+    p = cross(along, c - a)
     determinant = np.sum((b - a) * p, axis=1)
-    size = np.linalg.norm(along, axis=1) * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    size = np.linalg.norm(along, axis=1) * np.linalg.norm(cross(b - a, c - a), axis=1)
     crossing = np.abs(determinant) > 1e-9 * size
     inverse = 1.0 / np.where(crossing, determinant, 1.0)
     offset = start - a
     u = np.sum(offset * p, axis=1) * inverse
-    q = np.cross(offset, b - a)
+    q = cross(offset, b - a)
     v = np.sum(along * q, axis=1) * inverse
     s = np.sum((c - a) * q, axis=1) * inverse
     for coordinate in (u, v, 1.0 - u - v, s, 1.0 - s):

@@ -16,6 +16,7 @@ from kshell.errors import InputError
 from kshell.mesh.connected import connected_parts
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
+from kshell.mesh.vectors import cross
 from kshell.scene.handlers import Handlers
 from kshell.scene.placed import Placed
 from kshell.scene.supports import (
@@ -257,7 +258,7 @@ def _is_cut(mesh: Mesh, edges: Ints) -> bool:
     if len(x) < 3 or size[1] < PLANAR * size[0] or size[2] > PLANAR * size[0]:
         return False
     a, b, c = (mesh.points[mesh.triangles[mesh.edge_owner[edges, 0], k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
+    normal = cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     return bool(np.abs(normal @ rows[2]).max() < np.sin(CORNER))
 

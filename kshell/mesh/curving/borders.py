@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from kshell.mesh.curving.fits import Fits
 from kshell.mesh.curving.sheets import Sheets
 from kshell.mesh.triangulation import Triangulation
+from kshell.mesh.vectors import cross
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -79,7 +80,7 @@ def arcs(mesh: Triangulation, kept: Bools) -> Arcs:
     weight[:, unlike] = flatter[unlike] == np.arange(2)[:, None]
     mean = (weight[..., None] * bow).sum(axis=0)
     spread = np.where(both & ~unlike, 0.5 * np.linalg.norm(bow[0] - bow[1], axis=1), 0.0)
-    across = np.cross(x[ends[:, 1]] - x[ends[:, 0]], mean)
+    across = cross(x[ends[:, 1]] - x[ends[:, 0]], mean)
     across /= np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None]
     return Arcs(edges, chord + mean, spread, across)
 
@@ -90,10 +91,10 @@ def _arc_bow(p: Floats, a: Floats, b: Floats) -> Floats:
     The angle at p over the chord is half the angle of the arc: bow = l / 2 tan(angle / 2).
     """
     u, v, d = a - p, b - p, b - a
-    normal = np.cross(u, v)
+    normal = cross(u, v)
     sine, cosine = np.linalg.norm(normal, axis=1), (u * v).sum(axis=1)
     straight = sine < STRAIGHT * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
-    out = np.cross(d, normal)
+    out = cross(d, normal)
     out /= np.maximum(np.linalg.norm(out, axis=1), 1e-300)[:, None]
     size = 0.5 * np.linalg.norm(d, axis=1) * np.tan(0.5 * np.arctan2(sine, cosine))
     return np.where(straight[:, None], 0.0, size[:, None] * out)
@@ -155,7 +156,7 @@ def _step(
             gradient[side, c] += 0.5 * g
         p = np.flatnonzero(plane)
         corners = mesh.points[mesh.triangles[beside[p, side]]]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normal /= np.linalg.norm(normal, axis=1)[:, None]
         value[side, p] = ((x[p] - corners[:, 0]) * normal).sum(axis=1)
         gradient[side, p] = normal

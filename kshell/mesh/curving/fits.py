@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.mesh.curving.sheets import Sheets
+from kshell.mesh.vectors import cross
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -50,9 +51,9 @@ class Neighbourhoods:
     def __init__(self, points: Floats, sheets: Sheets) -> None:
         self.points: Floats = points[sheets.vertex]
         normal = _max_normals(self.points, sheets.triangles)
-        first = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
+        first = cross(normal, np.eye(3)[np.argmin(np.abs(normal), axis=1)])
         first /= np.linalg.norm(first, axis=1)[:, None]
-        self.frame = np.stack([first, np.cross(normal, first), normal], axis=1)
+        self.frame = np.stack([first, cross(normal, first), normal], axis=1)
         self.step = _adjacency(sheets.triangles, len(self.points))
 
     def around(self, which: Ints, least: int) -> Any:
@@ -213,7 +214,7 @@ def _max_normals(points: Floats, triangles: Ints) -> Floats:
     for k in range(3):
         v, p, q = (triangles[:, (k + j) % 3] for j in range(3))
         a, b = points[p] - points[v], points[q] - points[v]
-        part = np.cross(a, b) / ((a * a).sum(axis=1) * (b * b).sum(axis=1))[:, None]
+        part = cross(a, b) / ((a * a).sum(axis=1) * (b * b).sum(axis=1))[:, None]
         for axis in range(3):
             out[:, axis] += np.bincount(v, part[:, axis], len(points))
     return out / np.linalg.norm(out, axis=1)[:, None]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from kshell.mesh.connected import connected_parts
 from kshell.mesh.orient import shared_edges
 from kshell.mesh.triangulation import Triangulation
+from kshell.mesh.vectors import cross
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -80,7 +81,7 @@ def find_sheets(mesh: Triangulation, crease: float) -> Sheets:
 def unit_normals(points: Floats, triangles: NDArray[np.integer]) -> Floats:
     """(triangle, 3)."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
-    n = np.cross(b - a, c - a)
+    n = cross(b - a, c - a)
     return n / np.linalg.norm(n, axis=1)[:, None]
 
 
@@ -92,7 +93,7 @@ def _angles(mesh: Triangulation) -> tuple[Floats, Ints]:
     pair[edge] = places // 3
     one, other = normal[pair[edge, 0]], normal[pair[edge, 1]]
     angle = np.zeros(len(mesh.edges))
-    angle[edge] = np.arctan2(np.linalg.norm(np.cross(one, other), axis=1), np.sum(one * other, axis=1))
+    angle[edge] = np.arctan2(np.linalg.norm(cross(one, other), axis=1), np.sum(one * other, axis=1))
     return angle, pair
 
 

@@ -18,6 +18,7 @@ from kshell.equilibrium.reduction import Reduction
 from kshell.material.inelastic import Inelastic
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.select import Selection
+from kshell.mesh.vectors import cross
 from kshell.shell.discretisation import Conditions, Discretisation, Distribution
 from kshell.shell.evaluate import OfPlace
 from kshell.shell.initial import StressFree
@@ -161,7 +162,7 @@ class KoiterDiscretisation(Discretisation):
         arm = (surface.nodes + u - centre) / size
         for axis in range(3):
             result[axis : surface.rotation_start : 3, axis] = 1.0
-            turn = np.cross(np.eye(3)[axis], arm)
+            turn = cross(np.eye(3)[axis], arm)
             result[: surface.rotation_start, 3 + axis] = turn.ravel()
         result[surface.rotation_start :, 3:] = rotation_axes(surface, u) / size
         return result

@@ -162,12 +162,9 @@ class Surface(NumberedMesh):
     @cached_property
     def corner_angles(self) -> Floats:
         """(triangle, 3) angle of the triangle at each corner, between its straight edges."""
-        x = self.nodes[self.mesh.triangles]
-        angles = np.empty(self.mesh.triangles.shape)
-        for k in range(3):
-            a, b = x[:, (k + 1) % 3] - x[:, k], x[:, (k + 2) % 3] - x[:, k]
-            angles[:, k] = np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), np.sum(a * b, axis=1))
-        return angles
+        x = np.moveaxis(self.nodes[self.mesh.triangles], 2, 0)
+        a, b = x[:, :, [1, 2, 0]] - x, x[:, :, [2, 0, 1]] - x
+        return np.arctan2(norm(cross(a, b)), dot(a, b))
 
     @cached_property
     def area_elements(self) -> Floats:
