@@ -107,11 +107,13 @@ def opened(path: Path, folder: Path, allow_system: bool = False, purpose: str = 
     Raises
     ------
     InputError
-        If gmsh cannot be loaded, cannot read the file, or fails at anything done meanwhile (the message repeats
-        gmsh's own), or if the file does what it may not.
+        If gmsh cannot be loaded, cannot read the file or its name, or fails at anything done meanwhile (the message
+        repeats gmsh's own), or if the file does what it may not.
     """
     if not allow_system:
         require_harmless(path)
+    _require_utf8(path.resolve())
+    _require_utf8(folder)
     gmsh = _import_gmsh()
     with _session(gmsh):
         try:
@@ -132,6 +134,22 @@ def opened(path: Path, folder: Path, allow_system: bool = False, purpose: str = 
             raise InputError(
                 f"{path.name}: gmsh cannot {purpose}: {said}. Open the file in gmsh to see where"
             ) from error
+
+
+def _require_utf8(path: Path) -> None:
+    """gmsh takes names in UTF-8; elsewhere Python keeps bytes that are no text in this locale as surrogates."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError as error:
+        encoding = sys.getfilesystemencoding()
+        cure = (
+            "Rename it"
+            if encoding == "utf-8"
+            else f"In this locale ({encoding}) it cannot be: LC_ALL=C.UTF-8"
+        )
+        raise InputError(
+            f"{path}: gmsh reads names in UTF-8, folders too, and this is none. {cure}"
+        ) from error
 
 
 def _import_gmsh() -> Any:

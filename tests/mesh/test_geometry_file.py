@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 
 import numpy as np
@@ -25,6 +26,19 @@ def geo(tmp_path):
         return path
 
     return write
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="file names are bytes on Linux")
+@pytest.mark.parametrize("name", [b"r\xe9.geo", b"r\xe9/shape.geo"])
+def test_names_in_other_encodings_are_refused_in_words(name, tmp_path):
+    path = tmp_path / os.fsdecode(name)
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(SQUARE, encoding="utf-8")
+    with pytest.raises(InputError, match="names in UTF-8"):
+        read_mesh(path)
+    sound = tmp_path / "shape.geo"
+    sound.write_text(SQUARE, encoding="utf-8")
+    assert read_mesh(sound).areas.sum() == pytest.approx(1.0)
 
 
 def test_sizes_and_orders(geo):
