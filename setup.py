@@ -20,6 +20,11 @@ setup(
             extra_compile_args=[] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"],
             optional=True,
         )
-        for name in ("kshell.solvers.compiled", "kshell.solvers.multigrid.compiled")
+        for name in (
+            "kshell.solvers.compiled",
+            "kshell.solvers.fronts",
+            "kshell.solvers.panels",
+            "kshell.solvers.multigrid.compiled",
+        )
     ],
 )

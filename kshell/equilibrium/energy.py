@@ -290,9 +290,13 @@ class StrainEnergy(Evaluated):
         self.put_stiffness(partial(self.sparsity.put, room))
         return self.sparsity.matrix(room)
 
-    def put_stiffness(self, put: Put) -> None:
-        """The matrices of the triangles for it, one block after the other."""
-        for triangles, gradient in zip(self.blocks, self._gradients_at_rest(), strict=True):
+    def put_stiffness(self, put: Put, keep: bool = False) -> None:
+        """The matrices of the triangles for it, one block after the other.
+
+        `keep`: linear strains are not made again afterwards, however many unknowns there are.
+        """
+        gradients = self.at_rest.gradients if keep else self._gradients_at_rest()
+        for triangles, gradient in zip(self.blocks, gradients, strict=True):
             put(triangles, self._product(gradient, triangles))
 
     def _gradients_at_rest(self) -> Iterator[Floats]:

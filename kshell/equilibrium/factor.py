@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -16,24 +16,30 @@ from kshell.equilibrium.reduced import ReducedPattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
 from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, Singular
+from kshell.solvers.frontal import Frontal
+from kshell.solvers.frontal import installed as fronts_installed
 from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU, renumbered
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
+# free unknowns from which fronts in the order of dissection are quicker than CHOLMOD: from 1e4 on two thirds of the
+# time of a solution at rest, from 1e3 on nine tenths
+FRONTS_FROM = 1000
+
 
 class Factoriser:
     """Factorises the matrices of one structure, T^T K T with the basis T of its free motions.
 
-    Cholesky by CHOLMOD where it is installed and the matrix is positive definite. Otherwise pivots of both signs, by
-    rslab, PARDISO, or, where these are not installed or find no pivots, by SuperLU in the order of nested dissection.
-    Pattern and order are kept from one matrix to the next.
+    Cholesky where the matrix is positive definite: by fronts near rest, where kshell was compiled, else by CHOLMOD
+    where it is installed. Otherwise pivots of both signs, by rslab, PARDISO, or, where these are not installed or find
+    no pivots, by SuperLU in the order of nested dissection. Pattern and order are kept from one matrix to the next.
 
     Parameters
     ----------
     reduction : Reduction
     energy : StrainEnergy
-        Tells a good order of elimination, for SuperLU.
+        Tells a good order of elimination, for fronts and SuperLU.
     symmetric : bool
         False for a tangent with follower loads, which is symmetric only up to terms on free edges.
     """
@@ -115,11 +121,13 @@ class Factoriser:
         diagonal: list[Floats] = []
 
         def made(kind: type) -> Factor:
-            summed = matrices.factorise(kind, energy.put_stiffness)
+            # beside fronts there is no copy of the matrix: strains have room, which refinement needs afterwards anyway
+            put = partial(energy.put_stiffness, keep=True) if kind is Frontal else energy.put_stiffness
+            summed = matrices.factorise(kind, put)
             diagonal[:] = [summed.diagonal]
             return summed.factor
 
-        return self._first(made, True), diagonal[0]
+        return self._first(made, True, True), diagonal[0]
 
     def near_rest(
         self, evaluate: Callable[[Put], Any], springs: sp.spmatrix | None = None
@@ -146,7 +154,7 @@ class Factoriser:
         if matrices.small:
             summed = matrices.dense(evaluate)
             return None if summed is None else (summed.found, summed.factor)
-        kind = self._kinds(True)[0]
+        kind = self._kinds(True, True)[0]
         try:
             summed = matrices.factorise(kind, evaluate, definite=True)
         except Singular:
@@ -159,11 +167,11 @@ class Factoriser:
             self._free, self._springs = FreeMatrices(self._energy, self._basis, springs), springs
         return self._free
 
-    def _first(self, factorised: Callable[[type], Factor], definite: bool) -> Factor:
+    def _first(self, factorised: Callable[[type], Factor], definite: bool, near_rest: bool = False) -> Factor:
         """The factor by the first library that there is and that the matrix suits."""
         if not self._basis.shape[1]:
             return Factor(np.zeros_like, lambda: 0)
-        *kinds, last = self._kinds(definite)
+        *kinds, last = self._kinds(definite, near_rest)
         for kind in kinds:
             try:
                 return factorised(kind)
@@ -174,11 +182,15 @@ class Factoriser:
         except Singular as error:
             raise SolveError("the tangent stiffness is singular") from error
 
-    def _kinds(self, definite: bool) -> list[type]:
-        """Libraries in the order in which they are tried."""
+    def _kinds(self, definite: bool, near_rest: bool = False) -> list[type]:
+        """What factorises, in the order in which it is tried; `near_rest`: matrices that come in any order."""
         kinds: list[type] = []
         if self._symmetric:
-            kinds += [Cholmod] * (CHOLMOD.installed and definite)
+            large = self._basis.shape[1] >= FRONTS_FROM or not CHOLMOD.installed
+            if definite and near_rest and large and fronts_installed():
+                kinds += [Frontal]
+            else:
+                kinds += [Cholmod] * (CHOLMOD.installed and definite)
             kinds += [Rslab] if RSLAB.installed else [Pardiso] * PARDISO.installed
         return [*kinds, SuperLU]
 

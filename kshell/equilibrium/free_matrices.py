@@ -20,6 +20,7 @@ from kshell.equilibrium.energy import Put, StrainEnergy
 from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.merged import Columns, Merged, Mirrored
 from kshell.errors import SolveError
+from kshell.solvers.frontal import Frontal
 from kshell.solvers.memory import give_back
 from kshell.solvers.nearest import picked
 from kshell.solvers.repeated import Cholmod, Factor, SuperLU, dense_factor, renumbered
@@ -61,7 +62,7 @@ class Known:
             inside = Condensed(energy.triangle_unknowns, energy.inner, basis)
             if inside.possible:
                 self.condensed, basis = inside, inside.outer
-        self.dissected = kind is SuperLU or (kind is Cholmod and basis.shape[1] > DISSECTED_FROM)
+        self.dissected = kind in (Frontal, SuperLU) or (kind is Cholmod and basis.shape[1] > DISSECTED_FROM)
         self.pattern = FreePattern(energy.sparsity, basis, energy.group_places if self.dissected else None)
         self._merged: Merged | None = None
         if springs is not None:
@@ -147,7 +148,7 @@ class FreeMatrices:
         Parameters
         ----------
         kind : type
-            Of `kshell.solvers.repeated`.
+            `Frontal`, or of `kshell.solvers.repeated`.
         evaluate : callable
             Is given a function that takes triangles and their matrices (triangle, n, n), symmetric, which may be
             changed.

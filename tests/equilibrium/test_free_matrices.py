@@ -16,11 +16,14 @@ from kshell.equilibrium.problem import Problem
 from kshell.shell.koiter.energy import Koiter
 from kshell.shell.section import Section
 from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, Singular
+from kshell.solvers.frontal import Frontal
+from kshell.solvers.frontal import installed as fronts_installed
 from kshell.solvers.repeated import Cholmod, Pardiso, Rslab, SuperLU
 from tests.shell.shapes import Model, rectangle
 
 SECTION = Section.isotropic(2.0, 0.3, 0.1)
 KINDS = [
+    *[Frontal] * fronts_installed(),
     SuperLU,
     *[Cholmod] * CHOLMOD.installed,
     *[Rslab] * RSLAB.installed,

@@ -22,6 +22,7 @@ from kshell.solvers.multigrid.levels import RelaxedLevel, SweptLevel, level_of
 
 ROOT = Path(__file__).parents[2]
 MODULES = ("kshell.solvers.compiled", "kshell.solvers.multigrid.compiled")
+FACTORS = ("kshell.solvers.fronts", "kshell.solvers.panels")
 built = pytest.mark.skipif(kernels.compiled is None, reason="kshell was installed without a C compiler")
 
 
@@ -198,6 +199,7 @@ def test_independent_sets(monkeypatch):
 def test_they_can_be_left_out(monkeypatch):
     monkeypatch.setenv(kernels.VARIABLE, "0")
     assert [kernels._loaded(name) for name in MODULES] == [None, None]
+    assert [kernels._loaded(name, kernels.FRONTS) for name in FACTORS] == [None, None]
     monkeypatch.setattr(kernels, "compiled", None)
     assert kernels.which() == "numpy"
 
@@ -206,6 +208,8 @@ def test_they_can_be_left_out(monkeypatch):
 def test_what_an_older_installation_left_is_not_used(monkeypatch):
     monkeypatch.delenv(kernels.VARIABLE, raising=False)
     assert None not in [kernels._loaded(name) for name in MODULES]
+    assert None not in [kernels._loaded(name, kernels.FRONTS) for name in FACTORS]
+    assert [kernels._loaded(name, kernels.FRONTS + 1) for name in FACTORS] == [None, None]
     monkeypatch.setattr(kernels, "VERSION", 0)
     assert [kernels._loaded(name) for name in MODULES] == [None, None]
 
@@ -216,7 +220,7 @@ def test_an_installation_does_without_a_compiler(monkeypatch):
     monkeypatch.setattr(setuptools, "setup", given.update)
     monkeypatch.setattr(sys, "argv", ["setup.py"])
     runpy.run_path("setup.py")
-    assert tuple(extension.name for extension in given["ext_modules"]) == MODULES
+    assert {extension.name for extension in given["ext_modules"]} == {*MODULES, *FACTORS}
     for extension in given["ext_modules"]:
         assert extension.optional
         assert all((ROOT / source).is_file() for source in extension.sources)
