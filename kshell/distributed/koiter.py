@@ -25,7 +25,8 @@ from kshell.distributed.surface_piece import (
     section_of,
 )
 from kshell.distributed.team import Team
-from kshell.equilibrium.energy import Asked, Energy, Linear, in_blocks
+from kshell.equilibrium.energy import in_blocks
+from kshell.equilibrium.evaluated import Asked, Energy, Linear
 from kshell.equilibrium.sparsity import Sparsity
 from kshell.errors import InputError
 from kshell.material.inelastic import Inelastic

@@ -11,7 +11,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from kshell.equilibrium.energy import Energy, Put, StrainEnergy
+from kshell.equilibrium.energy import Put, StrainEnergy
+from kshell.equilibrium.evaluated import Energy
 from kshell.equilibrium.factor import Factoriser
 from kshell.equilibrium.reduction import Reduction
 from kshell.equilibrium.sparsity import Added

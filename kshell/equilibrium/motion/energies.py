@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.energy import Asked, Energy, Evaluated, StrainEnergy, inelastic_of
+from kshell.equilibrium.energy import StrainEnergy, inelastic_of
+from kshell.equilibrium.evaluated import Asked, Energy, Evaluated
 from kshell.equilibrium.reduction import Reduction
 
 Floats = NDArray[np.float64]

@@ -25,7 +25,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.equilibrium.energy import Response
+from kshell.equilibrium.evaluated import Response
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import InputError, SolveError
 from kshell.material.inelastic import Yielding
