@@ -100,7 +100,7 @@ class Assessment:
     why_not : str
         Why there is no proof, or no estimate.
     infinite : str
-        Why the energy, or a displacement, is infinite, if it is.
+        Why the energy, or a displacement, is infinite or has no interval on any mesh like this, if so.
     told : bool
         Whether the solution tells its error at all; intervals are infinite otherwise, and marks say what to refine.
     """
@@ -159,10 +159,16 @@ class Assessment:
 
     def without_energy(self, why: str) -> None:
         """Take the interval of an energy away that is infinite, if words say why."""
-        self.infinite = why
+        self.infinite = self.infinite or why
         if why and self.energy is not None:
             value, inf = self.energy.value, float("inf")
             self.energy = Estimate(value, inf, inf, "estimated", why)
+
+    def without_any(self, why: str) -> None:
+        """Take all intervals away, if nothing is known, as words say."""
+        self.without_energy(why)
+        for name in self.probes:
+            self.without_probe(name, why)
 
     def without_probe(self, name: str, why: str) -> None:
         """Take the interval of a probe away that has no limit, as words say."""
