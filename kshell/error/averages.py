@@ -22,7 +22,8 @@ from numpy.typing import NDArray
 
 from kshell.elements.quadrature import triangle_rule
 from kshell.error.corner_fits import NARROW, SINGLE, CornerFits
-from kshell.error.foundations import hidden_by_foundations
+from kshell.error.foundations import HiddenLayers, hidden_by_foundations
+from kshell.error.geometry_share import curvature_of_triangles
 from kshell.shell.frames import (
     components,
     contravariant_to_frame,
@@ -100,6 +101,12 @@ class Averages:
         )
         self._compliance: Floats = np.linalg.inv(stiffness[:, 0])  # (1 or triangle, 6, 6)
         self.hidden = _hidden(problem, surface, middle)
+        curvature = curvature_of_triangles(problem.space)
+        self._layers = None
+        if surface.order > 1 and curvature.any():
+            with np.errstate(divide="ignore"):
+                layers = HiddenLayers(problem.space, surface.order, curvature, middle.a[:, 0], middle.d[:, 0])
+            self._layers = layers if layers.any else None
         xi, weights = triangle_rule(2 * degree)
         values = lagrange(degree, xi)
         self._mass = 2.0 * np.einsum("q,qi,qj->ij", weights, values, values)
@@ -120,6 +127,11 @@ class Averages:
         both = np.concatenate(off, axis=2)  # (triangle, node, 6) in the material axes of the middle
         energy = (self._mass @ both @ self._compliance * both).sum(axis=(1, 2))
         own = np.asarray(np.maximum(self.area * self.hidden * energy, 0.0))
+        if self._layers is not None:
+            bent, soft = off[1], self._compliance[:, 3:, 3:]
+            moments = self.area * (self._mass @ bent @ soft * bent).sum(axis=(1, 2))
+            stretched = 0.5 * (strain[:, :r] * stress[:, :r]).sum(axis=1)
+            own += self._layers.energy(np.maximum(stretched, 0.0), moments)
         own[self._untold] = own.max()  # these first
         return own
 

@@ -1,4 +1,4 @@
-"""What foundations hide from averages: springs by area bend a shell in layers that large triangles do not see.
+"""What springs by area, and curvature, hide from averages: layers of bending that large triangles do not see.
 
 Where springs are stiff, the shell follows its load but in layers along supports and jumps of loads. Functions that are
 smooth over triangles much larger than these oscillate about that, which costs much energy of springs and hardly any of
@@ -12,6 +12,11 @@ k_n, k_t   stiffness of springs along the normal and in the plane, per area
 L          longest edge of a triangle
 D, A       smallest bending and membrane stiffness
 p          order
+R          smallest radius of curvature
+
+A curved shell is to its bending a foundation of stiffness A / R^2. Where it carries by membrane forces, a support bends
+it in a layer of l = (D R^2 / A)^(1/4), which takes 1.4 l / h of the energy of a triangle of size h beside a clamped
+edge of a tube (3 l / h is relied on), and no more than what k_n = A / R^2 would add by the differences of moments.
 
 C by clamped, supported and half free plates with k_n h^4 / D from 6 to 6e6, C' by strips that are pulled.
 """
@@ -21,6 +26,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.mesh import Mesh
 from kshell.scene.structure import Structure
 from kshell.scene.supports import Elastic
 
@@ -28,6 +34,8 @@ Floats = NDArray[np.float64]
 
 BENDING, BENDING_POWER = 0.12, -5.3
 MEMBRANE, MEMBRANE_POWER = 0.5, -2.0
+LAYER = 3.0  # l / h
+SEEN = 0.1  # times moments, that layers may add at most, below which they are seen
 
 
 def hidden_by_foundations(
@@ -73,3 +81,31 @@ def hidden_by_foundations(
         stretches = np.minimum(membrane[:, 0, 0], membrane[:, 1, 1])
         out += MEMBRANE * order**MEMBRANE_POWER * along * length**2 / (2.0 * stretches)
     return out
+
+
+class HiddenLayers:
+    """Layers of bending in a curved shell.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In space.
+    order : int
+    curvature : (triangle,) array
+        1 / R.
+    membrane, bending : (1 or triangle, 3, 3) arrays
+        Stiffness of the section.
+    """
+
+    def __init__(self, mesh: Mesh, order: int, curvature: Floats, membrane: Floats, bending: Floats) -> None:
+        length = mesh.edge_lengths[mesh.triangle_edges].max(axis=1)
+        bends = np.minimum(bending[:, 0, 0], bending[:, 1, 1])
+        stretches = np.maximum(membrane[:, 0, 0], membrane[:, 1, 1])
+        stiff = stretches * curvature**2 / bends  # l^-4
+        self._most = BENDING * order**BENDING_POWER * stiff * length**4 / 4.0
+        self._share = LAYER * np.minimum(stiff**-0.25 / np.sqrt(2.0 * mesh.areas), 1.0)
+        self.any = bool((self._most > SEEN).any())
+
+    def energy(self, stretched: Floats, off: Floats) -> Floats:
+        """(triangle,) hidden, of energies of stretching and of differences of moments."""
+        return np.minimum(self._share * stretched, self._most * off)
