@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from kshell.elements.quadrature import triangle_rule
 from kshell.error.corner_fits import NARROW, SINGLE, CornerFits
+from kshell.error.fold_ends import hidden_at_fold_ends
 from kshell.error.foundations import HiddenLayers, hidden_by_foundations
 from kshell.error.geometry_share import curvature_of_triangles
 from kshell.shell.frames import (
@@ -60,7 +61,7 @@ class Averages:
     ----------
     area : (triangle,)
     hidden : (triangle,)
-        By what energies of differences are multiplied because of foundations.
+        By what energies of differences are multiplied because of foundations, and of folds that end at clamps.
     why_not : str
         Why they do not tell the error of every triangle, if so.
     """
@@ -101,6 +102,9 @@ class Averages:
         )
         self._compliance: Floats = np.linalg.inv(stiffness[:, 0])  # (1 or triangle, 6, 6)
         self.hidden = _hidden(problem, surface, middle)
+        bends, stretches = (np.trace(m[:, 0], axis1=1, axis2=2) for m in (middle.d, middle.a))
+        thickness = np.sqrt(12.0 * bends / stretches)
+        self.hidden *= hidden_at_fold_ends(problem.structure, discretisation.patches()[0], thickness)
         curvature = curvature_of_triangles(problem.space)
         self._layers = None
         if surface.order > 1 and curvature.any():

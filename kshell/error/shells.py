@@ -124,7 +124,8 @@ def _assess(
     membrane, bending = energies(problem.energy, strain)
     shares, stored = _shares(model, membrane, bending), membrane + bending
     total = float(own.sum())
-    safety *= 1.0 + COARSE * min(total / max(result.strain_energy, 1e-300), 1.0)
+    seen = float((own / averages.hidden).sum())
+    safety *= 1.0 + COARSE * min(seen / max(result.strain_energy, 1e-300), 1.0)
     out = Assessment(why_not=averages.why_not or WHY_NOT, told=averages.told)
     unknown = 0.0 if averages.told else np.inf
     half = 0.5 * safety * total + unknown
