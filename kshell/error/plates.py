@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements import matrices
+from kshell.error import missed_stiffness
 from kshell.error.assessment import ENERGY, Assessment, Interval, energy_interval
 from kshell.error.bounds import PlatePair
 from kshell.error.curve_doubt import curve_doubt, polygon_share, turns
@@ -16,6 +17,7 @@ from kshell.error.goals import Goal
 from kshell.error.residual import Loaded, PlateResidual
 from kshell.mesh.mesh import Mesh
 from kshell.plate.domain import Domain
+from kshell.plate.forms import VARIABLE_DEGREE
 from kshell.plate.model import PlateModel
 from kshell.plate.problem import PlateProblem
 from kshell.result.result import Result
@@ -49,6 +51,7 @@ def assess_residual(
         out.probes[name] = _along_z(result.motion_at_probe(name), half, LIKELY * half, "estimated")
         out.marks[name] = goal_marks(own, dual)
     out.geometry = geometry_share(problem.domain)
+    missed_stiffness.widen(out, problem, VARIABLE_DEGREE, d)
     return out
 
 
@@ -121,6 +124,7 @@ def assess_pair(pair: PlatePair, names: Sequence[str], strain_energy: float | No
         out.parts[name] = 0.5 * np.sqrt(np.abs(primal.local * dual.local))
         out.duals[name] = pair.conforming.full(dual.q, prescribed=False)
     out.geometry = 0.0
+    missed_stiffness.widen(out, problem, pair.degree, pair.conforming.full(primal.q))
     if names:
         out.resting(pair.conforming.largest())
     return out
