@@ -28,7 +28,6 @@ Source: Zienkiewicz & Zhu, Int. J. Numer. Meth. Eng. 33 (1992) 1331-1364 (patche
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from kshell.elements.reference import monomials
@@ -166,12 +165,21 @@ def _one_triangle_wide(corner: Ints, border: Ints) -> NDArray[np.bool_]:
 
 def _around(corner: Ints, edge: Ints, vertices: Ints) -> tuple[Ints, Ints]:
     """Pairs of a vertex (its place in `vertices`) and a triangle: those at it, and their neighbours across edges."""
-    every = np.repeat(np.arange(len(corner)), 3)
-    ones = np.ones(corner.size)
-    at_corner = sp.csr_matrix((ones, (corner.ravel(), every)), shape=(int(corner.max()) + 1, len(corner)))
-    at_edge = sp.csr_matrix((ones, (edge.ravel(), every)), shape=(int(edge.max()) + 1, len(corner)))
-    pairs = (at_corner[vertices] @ at_edge.T @ at_edge).tocoo()
-    return pairs.row.astype(np.int64), pairs.col.astype(np.int64)
+    fit, member = _sharing(corner, vertices)
+    place, other = _sharing(edge, edge[member].ravel())
+    pairs = np.unique(np.repeat(fit, 3)[place] * len(corner) + other)
+    return pairs // len(corner), pairs % len(corner)
+
+
+def _sharing(numbers: Ints, wanted: Ints) -> tuple[Ints, Ints]:
+    """Pairs of a place in `wanted` (n,) and a triangle that has that number, of numbers (triangle, 3)."""
+    order = np.argsort(numbers, axis=None, kind="stable")
+    inside = numbers.ravel()[order]
+    begin = np.searchsorted(inside, wanted, side="left")
+    count = np.searchsorted(inside, wanted, side="right") - begin
+    place = np.repeat(np.arange(len(wanted)), count)
+    within = np.arange(len(place)) - np.repeat(np.cumsum(count) - count, count)
+    return place, order[begin[place] + within] // 3
 
 
 def _boundary_nodes(alone: Ints, fit: Ints, on_boundary: NDArray[np.bool_], degree: int) -> Ints:

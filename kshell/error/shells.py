@@ -120,6 +120,7 @@ def _assess(
     kept = {} if kept is None else kept
     problem = model.problem
     basis = problem.reduction.basis
+    transposed = basis.T
     own = averages.local(strain)
     membrane, bending = energies(problem.energy, strain)
     shares, stored = _shares(model, membrane, bending), membrane + bending
@@ -136,7 +137,7 @@ def _assess(
     for name in names:
         rows: dict[int, Floats] = {}
         if name not in kept or any((name, k) not in kept for k in kept[name]):
-            every = (np.asarray(basis.T @ model.probe_row(name, letter)) for letter in "xyz")
+            every = (np.asarray(transposed @ model.probe_row(name, letter)) for letter in "xyz")
             rows = {k: row for k, row in enumerate(every) if np.any(row)}
             kept[name] = tuple(rows)
         moving: tuple[int, ...] = kept[name]
