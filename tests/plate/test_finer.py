@@ -70,7 +70,7 @@ def test_nearer_than_the_elements_own(exact, order, n):
     result = wavy(order, n)
     fields = result.evaluate.__self__
     at = fields.locator.find(INSIDE[:, :2])
-    own = fields._of_the_element(at.triangles, at.xi, 0)[:, 0, 0]
+    own = fields.of_the_element(at.triangles, at.xi, 0)[:, 0, 0]
     w = exact["u"][:, 2]
     error = np.linalg.norm(result.at(INSIDE)["u"][:, 2] - w)
     assert error < 0.6 * np.linalg.norm(own - w)
@@ -85,12 +85,12 @@ def test_keeps_what_the_element_knows(order):
     size = np.abs(fields.vertex_displacement).max()
 
     def difference(xi):
-        return (fields.derivatives(every, xi, 0) - fields._of_the_element(every, xi, 0))[..., 0]
+        return (fields.derivatives(every, xi, 0) - fields.of_the_element(every, xi, 0))[..., 0]
 
     assert difference(VERTICES) == pytest.approx(0.0, abs=1e-12 * size)
     s, weights = interval_rule(order + 8)
     patch = fields.domain.edge_points(result.mesh.boundary_edges, s, weights)
-    off = fields.derivatives(patch.triangles, patch.xi, 0) - fields._of_the_element(
+    off = fields.derivatives(patch.triangles, patch.xi, 0) - fields.of_the_element(
         patch.triangles, patch.xi, 0
     )
     assert (off[..., 0] * weights).sum(axis=1) == pytest.approx(0.0, abs=1e-12 * size)
@@ -106,4 +106,4 @@ def test_the_lowest_order_keeps_its_own():
     fields = result.evaluate.__self__
     every = np.arange(len(result.mesh.triangles))
     xi, _ = triangle_rule(3)
-    assert fields.derivatives(every, xi, 0) == pytest.approx(fields._of_the_element(every, xi, 0), abs=0)
+    assert fields.derivatives(every, xi, 0) == pytest.approx(fields.of_the_element(every, xi, 0), abs=0)
