@@ -21,6 +21,8 @@ setup(
             optional=True,
         )
         for name in (
+            "kshell.elements.compiled",
+            "kshell.mesh.compiled",
             "kshell.solvers.compiled",
             "kshell.solvers.fronts",
             "kshell.solvers.panels",

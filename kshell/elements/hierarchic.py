@@ -19,7 +19,15 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.elements.jets import affine_jet, jacobi_family, jacobi_jets, scaled_legendre_jets, times
+from kshell.elements import kernels
+from kshell.elements.jets import (
+    affine_jet,
+    family_table,
+    jacobi_family,
+    jacobi_jets,
+    scaled_legendre_jets,
+    times,
+)
 from kshell.mesh.mesh import EDGE_VERTICES
 
 Floats = NDArray[np.float64]
@@ -52,8 +60,13 @@ def orthonormal_jets(degree: int, points: Floats) -> Floats:
 
 def orthonormal(degree: int, points: Floats) -> Floats:
     """Values (..., k) of psi at points (..., 2)."""
+    points = np.asarray(points, dtype=np.float64)
     i, total, norm = _members(degree)
     x0, x1 = points[..., 0].ravel(), points[..., 1].ravel()
+    if kernels.compiled is not None and degree <= kernels.compiled.LARGEST_DEGREE:
+        values = np.empty((len(x0), len(i)))
+        kernels.compiled.orthonormal(x0, x1, *family_table(degree), norm, values)
+        return values.reshape(*points.shape[:-1], len(i))
     x, t = 2.0 * x0 + x1 - 1.0, 1.0 - x1
     along = np.ones((degree + 1, len(x)))  # t^n P_n(x / t)
     if degree > 0:

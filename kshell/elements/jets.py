@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+KEPT_POINTS = 64  # whose values are kept
+
 
 def affine_jet(constant: float, gradient: tuple[float, float], points: Floats) -> Floats:
     """The jet of constant + gradient . x at points (..., 2)."""
@@ -73,6 +75,17 @@ def jacobi_family(degree: int, x: Floats) -> Floats:
 
 
 @lru_cache(maxsize=32)
+def family_table(degree: int) -> tuple[Floats, Floats, Floats]:
+    """The same coefficients (n, i), slope, shift and back, zero where there are none."""
+    out = np.zeros((3, degree + 1, degree + 1))
+    for n, row in enumerate(_family(degree), start=1):
+        for table, part in zip(out, row, strict=True):
+            if part is not None:
+                table[n, : len(part)] = part[:, 0]
+    return out[0], out[1], out[2]
+
+
+@lru_cache(maxsize=32)
 def _family(degree: int) -> list[tuple[Floats, Floats, Floats | None]]:
     """Coefficients (i, 1) of the recurrences of `jacobi_family`, n = 1 ... degree."""
     if degree == 0:
@@ -102,6 +115,18 @@ def scaled_legendre_jets(degree: int, x: Floats, t: Floats) -> list[Floats]:
 
 
 def legendre(degree: int, s: Floats) -> Floats:
-    """Legendre polynomials of 2 s - 1, (..., degree + 1): orthogonal on [0, 1], with squares 1 / (2 n + 1)."""
-    out: Floats = np.polynomial.legendre.legvander(2.0 * s - 1.0, degree).astype(np.float64)
+    """Legendre polynomials of 2 s - 1, (..., degree + 1): orthogonal on [0, 1], with squares 1 / (2 n + 1).
+
+    Not to be written to: those of few points are kept.
+    """
+    s = np.asarray(s, dtype=np.float64)
+    return (_legendre if s.size <= KEPT_POINTS else _legendre.__wrapped__)(degree, s.tobytes(), s.shape)
+
+
+@lru_cache(maxsize=64)
+def _legendre(degree: int, s: bytes, shape: tuple[int, ...]) -> Floats:
+    """The same of points as bytes: elements ask for those of the same rules again and again."""
+    x = 2.0 * np.frombuffer(s).reshape(shape) - 1.0
+    out: Floats = np.polynomial.legendre.legvander(x, degree).astype(np.float64)
+    out.flags.writeable = False
     return out

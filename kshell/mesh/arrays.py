@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from kshell.errors import InputError
 from kshell.mesh.build import M, build
 from kshell.mesh.raw import RawGroup, RawMesh
-from kshell.mesh.triangulation import Triangulation
+from kshell.mesh.triangulation import EdgeTable, Triangulation
 from kshell.mesh.words import count
 
 Ints = NDArray[np.int64]
@@ -41,11 +41,12 @@ def mesh_from_arrays(
         raise InputError(
             f"{source}: a triangle names vertex {bad}, but there are vertices 0 to {len(x) - 1} only"
         )
+    table = None
     if midpoints is not None and t.size:
-        x, t = _with_midpoints(x, t, midpoints, source)
+        x, t, table = _with_midpoints(x, t, midpoints, source)
 
     raw_groups = [_group(name, cells, t, len(x), source) for name, cells in (groups or {}).items()]
-    mesh = build(RawMesh(x, t, raw_groups, source), kind)
+    mesh = build(RawMesh(x, t, raw_groups, source, edge_table=table), kind)
     for name, group in mesh.groups.items():
         if group.lost:
             what = "vertices of triangles" if group.dimension == 0 else "edges of triangles"
@@ -64,8 +65,8 @@ def _indices(values: ArrayLike, what: str, source: str) -> Ints:
 
 def _with_midpoints(
     x: NDArray[np.float64], t: Ints, midpoints: ArrayLike, source: str
-) -> tuple[NDArray[np.float64], Ints]:
-    """Six-node triangles from nodes given by edge."""
+) -> tuple[NDArray[np.float64], Ints, EdgeTable]:
+    """Six-node triangles from nodes given by edge, with the table of these."""
     if t.shape[1] == 6:
         raise InputError(f"{source}: give either six-node triangles or midpoints, not both")
     bare = Triangulation(x, t.astype(np.int32))
@@ -75,9 +76,8 @@ def _with_midpoints(
             f"{source}: midpoints must be an array of shape ({len(bare.edges)}, 3), one row per edge in the "
             f"order of Mesh.edges, not {middle.shape}"
         )
-    return np.concatenate([x, middle]), np.concatenate(
-        [t, len(x) + bare.triangle_edges.astype(np.int64)], axis=1
-    )
+    six = np.concatenate([t, len(x) + bare.triangle_edges.astype(np.int64)], axis=1)
+    return np.concatenate([x, middle]), six, bare.edge_table
 
 
 def _group(name: str, cells: Any, triangles: Ints, n_points: int, source: str) -> RawGroup:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh import check
+from kshell.mesh.distinct import distinct
 from kshell.mesh.orient import to_reverse
 from kshell.mesh.raw import RawGroup, RawMesh
 from kshell.mesh.triangulation import KIND_OF_DIMENSION, Group, Triangulation, changed
@@ -49,8 +50,13 @@ def build(raw: RawMesh, kind: type[M]) -> M:
     if n_idle:
         notes.append(f"{count(n_idle, 'node')} of no triangle left out")
 
-    check.areas(points, triangles, raw.source)
+    areas = check.areas(points, triangles, raw.source)
     bare = kind(points, triangles.astype(np.int32), source=raw.source)
+    bare.__dict__["areas"] = areas
+    if (
+        raw.edge_table is not None and nodes is raw.triangles and used[-1] == len(used) - 1
+    ):  # none has a new number
+        bare.__dict__["edge_table"] = raw.edge_table
     midpoints = None if middle_nodes is None else _midpoints(bare, raw.points, middle_nodes)
     flat = bare.is_flat
     reverse = to_reverse(bare, flat)
@@ -65,9 +71,9 @@ def build(raw: RawMesh, kind: type[M]) -> M:
     parts = None if raw.parts is None else raw.parts[np.unique(row_of, return_index=True)[1]]
     mesh = changed(bare, midpoints=midpoints, groups=groups, higher=raw.higher, parts=parts)
     notes += check.connections(mesh)
-    out = changed(mesh, notes=tuple(notes))
-    out.__dict__["_faces_up"] = True
-    return out
+    object.__setattr__(mesh, "notes", tuple(notes))  # nobody has it yet
+    mesh.__dict__["_faces_up"] = True
+    return mesh
 
 
 def reversed_triangles(mesh: M, which: NDArray[np.bool_]) -> M:
@@ -76,7 +82,7 @@ def reversed_triangles(mesh: M, which: NDArray[np.bool_]) -> M:
     triangles[which] = triangles[which][:, [0, 2, 1]]
     triangle_edges[which] = triangle_edges[which][:, [2, 1, 0]]
     new = replace(mesh, triangles=triangles)
-    new.__dict__["_edge_table"] = (mesh.edges, triangle_edges)
+    new.__dict__["edge_table"] = mesh.edge_table.reordered(triangle_edges)
     return new
 
 
@@ -142,15 +148,18 @@ def _distinct(middle_nodes: Ints | None) -> int:
 
 def _midpoints(mesh: Triangulation, node_points: Floats, middle_nodes: Ints) -> Floats:
     """Mid-edge nodes by edge; straight edges where no triangle brings one."""
-    edges = mesh.triangle_edges.ravel()
-    nodes = middle_nodes.ravel()
-    given = nodes >= 0
-    midpoints: Floats = mesh.points[mesh.edges].mean(axis=1)
-    midpoints[edges[given]] = node_points[nodes[given]]
-    gap = np.linalg.norm(midpoints[edges[given]] - node_points[nodes[given]], axis=1)
-    far = np.flatnonzero(gap > 1e-6 * mesh.edge_lengths[edges[given]])
+    edges, nodes = mesh.triangle_edges.ravel(), middle_nodes.ravel()
+    if nodes.min(initial=0) < 0:
+        given = nodes >= 0
+        edges, nodes = edges[given], nodes[given]
+    ends = mesh.edges
+    midpoints: Floats = 0.5 * (mesh.points[ends[:, 0]] + mesh.points[ends[:, 1]])
+    midpoints[edges] = brought = node_points[nodes]
+    off = midpoints[edges] - brought
+    gap = np.sqrt((off * off).sum(axis=1))
+    far = (gap > 1e-6 * mesh.edge_lengths[edges]).nonzero()[0]
     if len(far):
-        edge = edges[given][far[0]]
+        edge = edges[far[0]]
         raise InputError(
             f"{mesh.source}: the two triangles at the edge near {place(midpoints[edge])} have different "
             f"mid-edge nodes, {gap[far[0]]:.3g} apart ({count(len(far), 'such edge')}): the surface is torn "
@@ -180,10 +189,7 @@ def _groups(
         key = name if len(dimensions_of[name]) == 1 else f"{name} ({KIND_OF_DIMENSION[dimension]})"
         found = [_members(group, mesh, vertex_of, row_of) for group in stored]
         total = (len(mesh.points), len(mesh.edges), len(mesh.triangles))[dimension]
-        is_member = np.zeros(total, dtype=bool)
-        for indices, _ in found:
-            is_member[indices] = True
-        members = np.flatnonzero(is_member).astype(np.int32)
+        members = distinct(total, *(indices for indices, _ in found)).astype(np.int32)
         lost = sum(n for _, n in found) + sum(group.lost for group in stored)
         groups[key] = Group(dimension, members, tags[0] if tags else None, lost)
         if lost:
@@ -212,8 +218,11 @@ def _members(group: RawGroup, mesh: Triangulation, vertex_of: Ints, row_of: Ints
         found = vertices
         cells = group.cells.reshape(-1, 1)
     else:
-        found = np.where((vertices >= 0).all(axis=1), mesh.edge_index(vertices), -1)
-        cells = np.sort(group.cells, axis=1)
+        found = mesh.edge_index(vertices).astype(np.int64)
+        if (vertices < 0).any():
+            found[(vertices < 0).any(axis=1)] = -1
+        cells = group.cells
     missing = found < 0
-    lost = len(np.unique(cells[missing], axis=0)) if missing.any() else 0
-    return found[~missing].astype(np.int64), lost
+    if not missing.any():
+        return found, 0
+    return found[~missing], len(np.unique(np.sort(cells[missing], axis=1), axis=0))

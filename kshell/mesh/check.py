@@ -62,8 +62,8 @@ def usable_nodes(points: Floats, triangles: Ints, source: str) -> None:
         raise InputError(
             f"{source}: triangle {row} names node {bad}, but there are nodes 0 to {len(points) - 1} only"
         )
-    finite: NDArray[np.bool_] = np.all(np.isfinite(points), axis=1)
-    if not finite.all():
+    if not np.isfinite(points).all():
+        finite: NDArray[np.bool_] = np.all(np.isfinite(points), axis=1)
         nodes = np.unique(triangles[triangles >= 0])
         broken = nodes[~finite[nodes]]
         if len(broken):
@@ -73,8 +73,9 @@ def usable_nodes(points: Floats, triangles: Ints, source: str) -> None:
                 "export it again"
             )
     corners = triangles[:, :3]
-    same = np.flatnonzero(np.equal(corners, corners[:, [2, 0, 1]]).any(axis=1))
-    if len(same):
+    equal = corners == corners[:, [2, 0, 1]]
+    if equal.any():
+        same = np.flatnonzero(equal.any(axis=1))
         where = place(points[triangles[same[0], 0]])
         raise InputError(
             f"{source}: {count(len(same), 'triangle')} with the same corner twice, e.g. triangle {same[0]} "
@@ -96,15 +97,16 @@ def nodes_and_vertices(points: Floats, vertex_of: Ints, middle_nodes: Ints | Non
         )
 
 
-def areas(points: Floats, triangles: Ints, source: str) -> None:
-    """Raise where a triangle has no area."""
-    a, b, c = (points[triangles[:, k]] for k in range(3))
-    u, v = (b - a).T, (c - a).T
-    longest = np.maximum(np.maximum((u * u).sum(axis=0), (v * v).sum(axis=0)), ((u - v) ** 2).sum(axis=0))
-    twice_area = np.sqrt(
-        (u[1] * v[2] - u[2] * v[1]) ** 2 + (u[2] * v[0] - u[0] * v[2]) ** 2 + (u[0] * v[1] - u[1] * v[0]) ** 2
-    )
-    bad = np.flatnonzero(twice_area <= NO_AREA * longest)
+def areas(points: Floats, triangles: Ints, source: str) -> Floats:
+    """(triangle,) areas; raise where a triangle has none."""
+    a, b, c = points[triangles.T]
+    sides = np.empty((3, *a.shape))
+    sides[0], sides[1], sides[2] = b - a, c - a, c - b
+    u, v = sides[0].T, sides[1].T
+    x, y, z = u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]
+    twice_area: Floats = np.sqrt(x * x + y * y + z * z)
+    longest = (sides * sides).sum(axis=2).max(axis=0)
+    bad = (twice_area <= NO_AREA * longest).nonzero()[0]
     if len(bad):
         middle = (a + b + c)[bad[0]] / 3
         raise InputError(
@@ -112,6 +114,7 @@ def areas(points: Floats, triangles: Ints, source: str) -> None:
             f"{place(middle)}. Such cells come from edges or faces of the geometry that are too short: merge "
             "them (`Geometry.Tolerance`, `Coherence;`) and mesh again"
         )
+    return 0.5 * twice_area
 
 
 def is_flat(points: Floats) -> bool:

@@ -10,6 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh import kernels
+
 Ints = NDArray[np.int64]
 
 
@@ -23,6 +25,13 @@ def connected_parts(count: int, first: NDArray[np.integer], second: NDArray[np.i
     first, second : (link,) int arrays
         Nodes that are linked, in either sense.
     """
+    if kernels.compiled is not None:
+        part = np.empty(count, dtype=np.int64)
+        links = (np.ascontiguousarray(ends, dtype=np.int64) for ends in (first, second))
+        found = kernels.compiled.parts_of(*links, part)
+        if found < 0:
+            raise IndexError(f"a link names a node that is none of 0 to {count - 1}")
+        return found, part
     lowest = np.arange(count)  # of the nodes that are known to be linked with a node
     while True:
         a, b = lowest[first], lowest[second]

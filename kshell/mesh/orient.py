@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.connected import connected_parts
-from kshell.mesh.triangulation import EDGE_VERTICES, Triangulation
+from kshell.mesh.triangulation import EDGE_VERTICES, FIRST, SECOND, Triangulation
 from kshell.mesh.words import place
 
 # walking round a triangle (0, 1, 2), its edges (0, 1), (1, 2) are met forward and (0, 2) backward
@@ -31,17 +31,11 @@ def shared_edges(mesh: Triangulation) -> tuple[Ints, Bools]:
     pairs : (n, 2) flat positions 3 * triangle + local edge
     agree : (n,) whether the two triangles run along the edge in opposite directions, as they should
     """
-    ends = mesh.triangles[:, EDGE_VERTICES]  # (triangle, edge, end)
-    forward = ((ends[..., 1] > ends[..., 0]) == WALKED_FORWARD).ravel()
-    edge_of = mesh.triangle_edges.ravel()
-    position = np.arange(len(edge_of))
-    last = np.empty(len(mesh.edges), dtype=np.int64)
-    last[edge_of] = position
-    first = np.empty_like(last)
-    first[edge_of[::-1]] = position[::-1]
-    two = mesh.edge_counts == 2
-    pairs = np.stack([first[two], last[two]], axis=1)
-    return pairs, forward[pairs[:, 0]] != forward[pairs[:, 1]]
+    t = mesh.triangles
+    forward = ((t[:, SECOND] > t[:, FIRST]) == WALKED_FORWARD).ravel()
+    pairs = mesh.edge_table.sides[:, mesh.edge_counts == 2].T
+    agree: Bools = forward[pairs[:, 0]] != forward[pairs[:, 1]]
+    return pairs, agree
 
 
 def to_reverse(mesh: Triangulation, flat: bool) -> Bools:
@@ -60,9 +54,9 @@ def to_reverse(mesh: Triangulation, flat: bool) -> Bools:
     """
     pairs, agree = shared_edges(mesh)
     if flat:
-        a, b, c = (mesh.points[mesh.triangles[:, k], :2] for k in range(3))
-        turn = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-        reverse = turn < 0.0
+        x = mesh.points[mesh.triangles, :2]
+        a, b = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]
+        reverse = a[:, 0] * b[:, 1] < a[:, 1] * b[:, 0]
         t = pairs // 3
         folded = np.flatnonzero(agree == (reverse[t[:, 0]] != reverse[t[:, 1]]))
         if len(folded):

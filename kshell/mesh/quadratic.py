@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,6 +28,12 @@ LEAST_NORMAL = 1e-6
 def node_points(mesh: Triangulation, midpoints: Floats) -> Floats:
     """(triangle, 6, 3) places of the nodes."""
     return np.concatenate([mesh.points[mesh.triangles], midpoints[mesh.triangle_edges]], axis=1)
+
+
+@lru_cache(maxsize=1)
+def _at_nodes() -> Floats:
+    """(direction, node, node) gradients at the nodes."""
+    return np.ascontiguousarray(gradients(NODES).swapaxes(0, 1))
 
 
 def gradients(barycentric: Floats) -> Floats:
@@ -56,8 +64,9 @@ def inside_out(mesh: Triangulation, midpoints: Floats) -> NDArray[np.int64]:
     """Triangles whose normal turns back at one of their nodes, the worst first."""
     x = node_points(mesh, midpoints)
     normal = cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    at_nodes = normals(x, NODES)  # (node, triangle, 3)
+    tangents = _at_nodes()[:, None] @ x  # (direction, triangle, node, 3)
+    at_nodes = cross(tangents[0], tangents[1])
     # 1 for a flat triangle with straight edges
-    worst = np.sum(at_nodes * normal, axis=2).min(axis=0) / np.sum(normal**2, axis=1)
-    bad = np.flatnonzero(worst <= LEAST_NORMAL)
-    return bad[np.argsort(worst[bad], kind="stable")]
+    worst = (at_nodes @ normal[..., None])[..., 0].min(axis=1) / (normal * normal).sum(axis=1)
+    bad = (worst <= LEAST_NORMAL).nonzero()[0]
+    return bad[worst[bad].argsort(kind="stable")]

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from kshell.mesh.triangulation import Higher
+from kshell.mesh.triangulation import EdgeTable, Higher
 
 
 @dataclass
@@ -58,6 +58,8 @@ class RawMesh:
         Nodes of triangles of order 3 and 4.
     parts : (triangle,) int array or None
         Of a file that is divided: the part of each triangle, from 0.
+    edge_table : EdgeTable or None
+        Of the triangles by the numbers of their nodes, where it is known.
     """
 
     points: NDArray[np.float64]
@@ -69,3 +71,4 @@ class RawMesh:
     notes: list[str] = field(default_factory=list)
     higher: Higher | None = None
     parts: NDArray[np.int64] | None = None
+    edge_table: EdgeTable | None = None

@@ -6,6 +6,7 @@ edges of a triangle (a, b, c) are (a, b), (b, c), (a, c) in that order.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, TypeVar
@@ -13,6 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from kshell.mesh import kernels
 from kshell.mesh.connected import connected_parts
 
 Floats = NDArray[np.float64]
@@ -20,6 +22,7 @@ Ints = NDArray[np.int32]
 
 # local vertices of the three edges of a triangle
 EDGE_VERTICES = np.array([[0, 1], [1, 2], [0, 2]])
+FIRST, SECOND = EDGE_VERTICES.T
 
 KIND_OF_DIMENSION = ("point", "curve", "surface")
 # distance from a plane, as a fraction of the mesh size, that still counts as flat
@@ -91,6 +94,36 @@ class Higher:
 
 
 @dataclass(frozen=True, eq=False)
+class EdgeTable:
+    """The edges of a mesh.
+
+    Attributes
+    ----------
+    edges : (edge, 2) int array
+        Vertices, the lower index first.
+    of_triangles : (triangle, 3) int array
+        Numbers of the local edges (0, 1), (1, 2), (0, 2).
+    counts : (edge,) int array
+        How many triangles share each.
+    sides : (2, edge) int array
+        The first and the last place 3 triangle + local edge at which it occurs.
+    """
+
+    edges: Ints
+    of_triangles: Ints
+    counts: Ints
+    sides: NDArray[np.int64]
+
+    def reordered(self, of_triangles: Ints) -> EdgeTable:
+        """That of the same triangles with their edges in another order."""
+        flat = of_triangles.ravel()
+        place, sides = np.arange(len(flat)), np.empty_like(self.sides)
+        sides[0, flat[::-1]] = place[::-1]
+        sides[1, flat] = place
+        return EdgeTable(self.edges, of_triangles, self.counts, sides)
+
+
+@dataclass(frozen=True, eq=False)
 class Triangulation:
     """Triangles in space; what the rest of kshell takes is its subclass `kshell.Mesh`.
 
@@ -132,54 +165,68 @@ class Triangulation:
         return 1 if self.midpoints is None else 2
 
     @cached_property
-    def _edge_table(self) -> tuple[Ints, Ints]:
+    def edge_table(self) -> EdgeTable:
+        """All about the edges that follows from the triangles."""
         n = len(self.points)
-        one, other = (self.triangles[:, EDGE_VERTICES[:, k]].astype(np.int64) for k in range(2))
+        if kernels.compiled is not None:
+            return _compiled_table(n, self.triangles)
+        corners = self.triangles.astype(np.int64)
+        one, other = corners[:, FIRST], corners[:, SECOND]
         every = (np.minimum(one, other) * n + np.maximum(one, other)).ravel()
-        order = np.argsort(every)
+        order = every.argsort()
         rising = every[order]
-        first = np.ones(len(every), dtype=bool)
-        np.not_equal(rising[1:], rising[:-1], out=first[1:])
+        new = np.ones(len(every), dtype=bool)
+        np.not_equal(rising[1:], rising[:-1], out=new[1:])
         inverse = np.empty(len(every), dtype=np.int64)
-        inverse[order] = np.cumsum(first) - 1
-        key = rising[first]
-        edges = np.empty((len(key), 2), dtype=np.int32)
+        inverse[order] = new.cumsum() - 1
+        start = new.nonzero()[0]
+        edges = np.empty((len(start), 2), dtype=np.int32)
+        key = rising[start]
         edges[:, 0] = low = key // n
         edges[:, 1] = key - low * n
-        return edges, inverse.reshape(-1, 3).astype(np.int32)
+        counts = np.full(len(start), len(every), dtype=np.int32)
+        counts[:-1] = start[1:]
+        counts -= start.astype(np.int32)
+        sides = np.empty((2, len(start)), dtype=np.int64)
+        if len(start):
+            np.minimum.reduceat(order, start, out=sides[0])
+            np.maximum.reduceat(order, start, out=sides[1])
+        return EdgeTable(edges, inverse.reshape(-1, 3).astype(np.int32), counts, sides)
 
     @property
     def edges(self) -> Ints:
         """(edge, 2) vertices of each edge, the lower index first."""
-        return self._edge_table[0]
+        return self.edge_table.edges
 
     @property
     def triangle_edges(self) -> Ints:
         """(triangle, 3) edge index of the local edges (0, 1), (1, 2), (0, 2)."""
-        return self._edge_table[1]
+        return self.edge_table.of_triangles
 
-    @cached_property
+    @property
     def edge_counts(self) -> Ints:
         """(edge,) how many triangles share each edge."""
-        return np.bincount(self.triangle_edges.ravel(), minlength=len(self.edges)).astype(np.int32)
+        return self.edge_table.counts
 
     @cached_property
     def edge_owner(self) -> Ints:
         """(edge, 2) one triangle at each edge and its local edge number there (the first one found)."""
-        flat = self.triangle_edges.ravel()[::-1]
-        place = np.empty(len(self.edges), dtype=np.int64)
-        place[flat] = np.arange(len(flat))[::-1]
-        return np.stack([place // 3, place % 3], axis=1).astype(np.int32)
+        first = self.edge_table.sides[0]
+        out = np.empty((len(first), 2), dtype=np.int32)
+        out[:, 0] = triangle = first // 3
+        out[:, 1] = first - 3 * triangle
+        return out
 
     @cached_property
     def boundary_edges(self) -> Ints:
         """(n,) edges that belong to one triangle only."""
-        return np.flatnonzero(self.edge_counts == 1).astype(np.int32)
+        return (self.edge_counts == 1).nonzero()[0].astype(np.int32)
 
     @cached_property
     def edge_lengths(self) -> Floats:
         """(edge,) straight length between the end vertices."""
-        return np.linalg.norm(self.points[self.edges[:, 1]] - self.points[self.edges[:, 0]], axis=1)
+        along = self.points[self.edges[:, 1]] - self.points[self.edges[:, 0]]
+        return np.asarray(np.sqrt((along * along).sum(axis=1)))
 
     @cached_property
     def areas(self) -> Floats:
@@ -190,21 +237,28 @@ class Triangulation:
         return np.asarray(0.5 * np.sqrt(x * x + y * y + z * z))
 
     @cached_property
+    def extent(self) -> tuple[float, float, float]:
+        """Lengths of the bounding box."""
+        x, y, z = (self.points.max(axis=0) - self.points.min(axis=0)).tolist()
+        return x, y, z
+
+    @property
     def size(self) -> float:
         """Diagonal of the bounding box."""
-        return float(np.linalg.norm(np.ptp(self.points, axis=0)))
+        return math.hypot(*self.extent)
 
-    @cached_property
+    @property
     def is_flat(self) -> bool:
         """Whether all vertices lie in one plane z = const."""
-        return bool(np.ptp(self.points[:, 2]) <= FLAT * self.size)
+        return self.extent[2] <= FLAT * self.size
 
     @cached_property
     def sheets(self) -> NDArray[np.int64]:
         """(triangle,) number of the part of the mesh, triangles being connected where they share an edge."""
-        owner = self.edge_owner[self.triangle_edges, 0].ravel()
-        mine = np.repeat(np.arange(len(self.triangles)), 3)
-        return connected_parts(len(self.triangles), mine, owner)[1]
+        one, other = self.edge_table.sides // 3
+        if self.edge_counts.max(initial=0) > 2:  # edges where sheets branch
+            one, other = one[self.triangle_edges].ravel(), np.repeat(np.arange(len(self.triangles)), 3)
+        return connected_parts(len(self.triangles), one, other)[1]
 
     def edge_index(self, ends: ArrayLike) -> Ints:
         """Edge numbers of vertex pairs.
@@ -225,18 +279,30 @@ class Triangulation:
         return np.where(table[place] == key, place, -1).astype(np.int32)
 
 
+def _compiled_table(vertices: int, triangles: Ints) -> EdgeTable:
+    """`Triangulation.edge_table` by compiled loops."""
+    most = triangles.size
+    edges, counts = np.empty((most, 2), dtype=np.int32), np.empty(most, dtype=np.int32)
+    of_triangles, sides = np.empty((len(triangles), 3), dtype=np.int32), np.empty((2, most), dtype=np.int64)
+    rooms = np.zeros(vertices + 1, dtype=np.int64), np.empty(most, dtype=np.int64)
+    corners = np.ascontiguousarray(triangles, dtype=np.int32)
+    found = kernels.compiled.edges_of(corners, *rooms, edges, of_triangles, counts, sides)
+    if found < 0:
+        raise IndexError(f"a triangle names a vertex that is none of 0 to {vertices - 1}")
+    # copies, as twice as many were made room for
+    return EdgeTable(edges[:found].copy(), of_triangles, counts[:found].copy(), sides[:, :found].copy())
+
+
 M = TypeVar("M", bound=Triangulation)
 
 # what depends on points and triangles alone
 KEPT = (
-    "_edge_table",
-    "edge_counts",
+    "edge_table",
     "edge_owner",
     "boundary_edges",
     "edge_lengths",
     "areas",
-    "size",
-    "is_flat",
+    "extent",
     "sheets",
 )
 

@@ -6,6 +6,8 @@ one triangle. So the search looks at boundary edges, and at all vertices only wh
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,22 +43,22 @@ def unjoined(mesh: Triangulation) -> list[str]:
     n_parts = int(part.max()) + 1
     boundary = distinct(len(mesh.points), mesh.edges[mesh.boundary_edges])
     tolerance = SAME_PLACE * float(mesh.edge_lengths.min())
-    named = _on_named_curves(mesh)
+    named = _Named(mesh)
 
     notes: list[str] = []
     if len(boundary) or n_parts > 1:
         candidates = boundary if n_parts == 1 else np.arange(len(mesh.points))
         pairs = _pairs_at_one_place(mesh, candidates, tolerance)
-        meant = (part[pairs[:, 0]] == part[pairs[:, 1]]) & named[pairs].all(axis=1)
-        if not meant.all():
-            first = pairs[np.flatnonzero(~meant)[0]]
-            raise InputError(
-                f"{mesh.source}: {count(int((~meant).sum()), 'pair')} of vertices at the same place that are "
-                f"not joined, e.g. at {place(mesh.points[first[0]])}: the triangles touch there without "
-                f"holding together. {MERGE}. If a slit is meant, give each of its two sides a named physical "
-                "curve"
-            )
         if len(pairs):
+            meant = (part[pairs[:, 0]] == part[pairs[:, 1]]) & named.vertices[pairs].all(axis=1)
+            if not meant.all():
+                first = pairs[np.flatnonzero(~meant)[0]]
+                raise InputError(
+                    f"{mesh.source}: {count(int((~meant).sum()), 'pair')} of vertices at the same place that are "
+                    f"not joined, e.g. at {place(mesh.points[first[0]])}: the triangles touch there without "
+                    f"holding together. {MERGE}. If a slit is meant, give each of its two sides a named physical "
+                    "curve"
+                )
             notes.append(
                 f"slit: {count(len(pairs), 'pair')} of vertices at the same place, e.g. at "
                 f"{place(mesh.points[pairs[0, 0]])}"
@@ -70,27 +72,38 @@ def vertex_parts(mesh: Triangulation) -> Ints:
     return connected_parts(len(mesh.points), *mesh.edges.T)[1]
 
 
-def _on_named_curves(mesh: Triangulation) -> Bools:
-    """(vertex,) whether the vertex belongs to a group of curves or points."""
-    named = np.zeros(len(mesh.points), dtype=bool)
-    for name, group in mesh.groups.items():
-        if name == f"{group.dimension}:{group.tag}":  # a number means that nobody thought of this curve
-            continue
-        if group.dimension == 1:
-            named[mesh.edges[group.members]] = True
-        elif group.dimension == 0:
-            named[group.members] = True
-    return named
+class _Named:
+    """What is named in a mesh, looked up where it matters."""
+
+    def __init__(self, mesh: Triangulation) -> None:
+        self._mesh = mesh
+
+    @cached_property
+    def vertices(self) -> Bools:
+        """(vertex,) whether the vertex belongs to a group of curves or points."""
+        mesh = self._mesh
+        named = np.zeros(len(mesh.points), dtype=bool)
+        for name, group in mesh.groups.items():
+            if name == f"{group.dimension}:{group.tag}":  # a number means that nobody thought of this curve
+                continue
+            if group.dimension == 1:
+                named[mesh.edges[group.members]] = True
+            elif group.dimension == 0:
+                named[group.members] = True
+        return named
 
 
 def _pairs_at_one_place(mesh: Triangulation, candidates: Ints, tolerance: float) -> Ints:
     at = mesh.points[candidates]
     first, second = in_balls(at, at, np.full(len(at), tolerance))
-    pairs: Ints = np.stack([candidates[first], candidates[second]], axis=1)[first < second]
+    if len(first) == len(at):  # every one is near itself alone
+        return np.zeros((0, 2), dtype=candidates.dtype)
+    once = first < second
+    pairs: Ints = candidates[np.stack([first[once], second[once]], axis=1)]
     return pairs
 
 
-def _raise_on_hanging_nodes(mesh: Triangulation, boundary: Ints, part: Ints, named: Bools) -> None:
+def _raise_on_hanging_nodes(mesh: Triangulation, boundary: Ints, part: Ints, named: _Named) -> None:
     """A vertex inside the edge of a triangle it does not belong to."""
     edges = mesh.boundary_edges
     if not len(edges):
@@ -110,7 +123,11 @@ def _raise_on_hanging_nodes(mesh: Triangulation, boundary: Ints, part: Ints, nam
     distance = np.linalg.norm(offset - share[:, None] * along[edge], axis=1)
     own = (mesh.triangles[mesh.edge_owner[edges[edge], 0]] == vertex[:, None]).any(axis=1)  # a thin triangle
     # the two sides of a slit may be meshed differently
-    slit = (part[vertex] == part[ends[edge, 0]]) & named[vertex] & named[ends[edge]].all(axis=1)
+    slit = (
+        (part[vertex] == part[ends[edge, 0]])
+        & named.vertices[vertex]
+        & named.vertices[ends[edge]].all(axis=1)
+    )
     hangs = (distance < ON_EDGE * length[edge]) & ~own & ~slit
     if hangs.any():
         first = np.flatnonzero(hangs)[0]

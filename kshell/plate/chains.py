@@ -60,7 +60,7 @@ def polygon(nodes: Floats, step: int, closed: bool, rounding: float) -> Floats |
 
     All edges of a side have the same direction, as conditions on them ask for.
     """
-    chord = np.diff(nodes, axis=0)
+    chord = nodes[1:] - nodes[:-1]
     x, y = chord.T
     length = np.hypot(x, y)
     before = np.arange(len(chord)) - 1 if closed else np.arange(len(chord) - 1)  # -1: the last one

@@ -25,6 +25,8 @@ FEWEST_ALONE, FEWEST_OF_ELLIPSES = 5, 7  # nodes that tell a circle, and an elli
 FEWEST_AT_JOINTS = 3  # of a circle that is known to run into its tangent
 OFF = 1e-12  # of the size: how far nodes may lie off the curve
 COEFFICIENTS = 10  # of phi: 1e-15 of the chord for edges of 70 degrees
+CHEBYSHEV = 0.5 + 0.5 * np.cos(np.pi * (np.arange(COEFFICIENTS) + 0.5) / COEFFICIENTS)
+POWERS = CHEBYSHEV[:, None] ** np.arange(COEFFICIENTS)
 LARGEST_ANGLE = np.radians(100.0)
 LONGEST = 1e3  # ratio of the axes of an ellipse
 
@@ -58,11 +60,10 @@ class Arc:
 
     def shapes(self, chord: Floats) -> Floats:
         """(edge, coefficient, 2) of phi, interpolated at Chebyshev points."""
-        n, theta = COEFFICIENTS, self.theta[:, None]
-        s = 0.5 + 0.5 * np.cos(np.pi * (np.arange(n) + 0.5) / n)
-        along = np.expm1(1j * theta * s) / np.expm1(1j * theta)
-        phi = (along - s) / (s * (1 - s))
-        found = np.linalg.solve(s[:, None] ** np.arange(n), phi.T).T
+        turn = 1j * self.theta[:, None]
+        along = np.expm1(turn * CHEBYSHEV) / np.expm1(turn)
+        phi = (along - CHEBYSHEV) / (CHEBYSHEV * (1 - CHEBYSHEV))
+        found = np.linalg.solve(POWERS, phi.T).T
         return self._back(found * self._complex(chord)[:, None])
 
     def _complex(self, vectors: Floats) -> NDArray[np.complex128]:

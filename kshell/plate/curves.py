@@ -9,13 +9,15 @@ delta(s)   gamma(s) minus the chord  =  s (1 - s) phi(s), phi a polynomial
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+
+KEPT_POINTS = 64  # along an edge, of rules whose terms are kept
 
 
 @dataclass(frozen=True)
@@ -58,19 +60,24 @@ class EdgeCurves:
 
     def deviations(self, place: NDArray[np.integer], s: Floats) -> Floats:
         """delta(s) of some edges and its first and second derivative by s: (3, n, point, 2)."""
-        n = self.shape.shape[1]
-        power = np.arange(n + 2)
-        terms = np.zeros((3, len(s), n + 2))  # s^0, s^1, ... and their derivatives
-        terms[0] = s[:, None] ** power
-        terms[1, :, 1:] = terms[0, :, :-1] * power[1:]
-        terms[2, :, 1:] = terms[1, :, :-1] * power[1:]
-        terms = terms[..., 1:-1] - terms[..., 2:]  # s phi(s) - s^2 phi(s)
-        return (terms.reshape(-1, n) @ self.shape[place]).reshape(len(place), 3, -1, 2).swapaxes(0, 1)
+        terms = (_terms if len(s) <= KEPT_POINTS else _terms.__wrapped__)(self.shape.shape[1], s.tobytes())
+        return (terms @ self.shape[place]).reshape(len(place), 3, -1, 2).swapaxes(0, 1)
 
     @cached_property
     def curved(self) -> NDArray[np.bool_]:
         """(n,) whether an edge deviates from its chord by more than rounding."""
         return np.abs(self.shape).max(axis=(1, 2)) > 0.0
+
+
+@lru_cache(maxsize=32)
+def _terms(n: int, points: bytes) -> Floats:
+    """(3 point, n) what delta(s) and its derivatives are of the coefficients of phi; rules ask for the same points."""
+    s, power = np.frombuffer(points), np.arange(n + 2)
+    terms = np.zeros((3, len(s), n + 2))  # s^0, s^1, ... and their derivatives
+    terms[0] = s[:, None] ** power
+    terms[1, :, 1:] = terms[0, :, :-1] * power[1:]
+    terms[2, :, 1:] = terms[1, :, :-1] * power[1:]
+    return (terms[..., 1:-1] - terms[..., 2:]).reshape(-1, n)  # s phi(s) - s^2 phi(s)
 
 
 def joined_curves(one: EdgeCurves, other: EdgeCurves) -> EdgeCurves:

@@ -6,9 +6,9 @@ integrated over its true region (`kshell.plate.region`); the other triangles are
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -38,17 +38,22 @@ class Patch:
     Attributes
     ----------
     triangles : (n,) int array
-    xi : (point, 2) or (n, point, 2) array
-        Reference coordinates in the straight triangle.
+    reference : (point, 2) array, or function of xy
+        Points of a rule for all triangles, or what finds those of each.
     xy : (n, point, 2) array
     weights : (n, point) array
         Areas.
     """
 
     triangles: Ints
-    xi: Floats
+    reference: Floats | Callable[[Floats], Floats]
     xy: Floats
     weights: Floats
+
+    @cached_property
+    def xi(self) -> Floats:
+        """(point, 2) or (n, point, 2) reference coordinates in the straight triangle."""
+        return self.reference(self.xy) if callable(self.reference) else self.reference
 
 
 @dataclass(frozen=True)
@@ -120,16 +125,9 @@ class Domain:
         self.is_curved = np.zeros(len(mesh.triangles), dtype=bool)
         self.is_curved[self.curved_triangles] = True
 
-    @cached_property
-    def _last(self) -> Ints:
-        """(edge,) the last triangle at each edge: the other one where two meet."""
-        last = np.empty(len(self.mesh.edges), dtype=np.int64)
-        last[self.mesh.triangle_edges] = np.arange(len(self.mesh.triangles))[:, None]
-        return last
-
     def sides(self, edges: Ints) -> Ints:
         """(2, n) the triangles at edges, the same one twice at the boundary."""
-        return np.stack([self.mesh.edge_owner[edges, 0].astype(np.int64), self._last[edges]])
+        return np.asarray(self.mesh.edge_table.sides[:, edges] // 3)
 
     def tangents(self, edges: Ints) -> Floats:
         """(n, end, 2) unit tangents of edges at both ends, from the lower to the higher vertex."""
@@ -220,7 +218,10 @@ class Domain:
 
     def _make_curved_patch(self, block: Ints, degree: int) -> Patch:
         xy, weights = region_points(self.mesh, self.curves, block, degree)
-        return Patch(block, self.affine(block).reference_coordinates(xy), xy, weights)
+        return Patch(block, partial(self._reference, block), xy, weights)
+
+    def _reference(self, block: Ints, xy: Floats) -> Floats:
+        return self.affine(block).reference_coordinates(xy)
 
     def edge_patch(self, edges: Ints, count: int, side: int = 0) -> EdgePatch:
         """Gauss points along edges, seen from one side; boundary edges and lines follow their true shape."""
@@ -245,10 +246,9 @@ class Domain:
     def edge_points(self, edges: Ints, s: Floats, w: Floats, side: int = 0) -> EdgePatch:
         """Given points s in [0, 1] (from the lower to the higher vertex) along edges."""
         edges = np.asarray(edges, dtype=np.int64)
-        triangle, local = self.mesh.edge_owner[edges].T
-        if side:
-            triangle = self._last[edges]
-            local = np.argmax(self.mesh.triangle_edges[triangle] == edges[:, None], axis=1)
+        place = self.mesh.edge_table.sides[side, edges]
+        triangle = place // 3
+        local = place - 3 * triangle
         xy, speed, bend = self.edge_motion(edges, s)
         length = np.hypot(speed[..., 0], speed[..., 1])
         affine = self.affine(triangle)
@@ -263,7 +263,7 @@ class Domain:
         across = bend - (bend * tangent).sum(axis=-1, keepdims=True) * tangent
         return EdgePatch(
             edges,
-            triangle.astype(np.int64),
+            triangle,
             xi,
             xy,
             length * w,

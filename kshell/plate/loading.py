@@ -29,7 +29,7 @@ LOAD_DEGREE = 6  # polynomial degree of a varying load that is integrated exactl
 class Summed(NamedTuple):
     """Of a pressure: works (triangle, reference dof) where kept, force and moments about a centre, gross force."""
 
-    reference: Floats
+    reference: Floats | None
     centre: Floats
     total: Floats
     gross: float
@@ -68,8 +68,12 @@ class AreaLoad(Scaled):
         """Pressure (n, point) at points (n, point, 2) of triangles (n,)."""
         return self.factor * self.values_given(triangles, xy)
 
+    def values_on(self, patch: Patch) -> Floats:
+        """The same (n, point) at the points of a patch."""
+        return self.factor * self._given_on(patch)
+
     def values_given(self, triangles: Ints, xy: Floats) -> Floats:
-        """The same without the factor."""
+        """Pressure (n, point) without the factor."""
         if callable(self.given):
             return self.given(triangles, xy)
         return np.full(xy.shape[:2], self.given)
@@ -80,34 +84,44 @@ class AreaLoad(Scaled):
         if not callable(self.given) and not curved:
             pressure = np.full(len(positions), self.given)
             return matrices.load(self.element, affine, pressure, transform)
-        if self.domain.few and callable(self.given):
-            reference = self._summed.reference[positions]
+        works = self._summed(True).reference if callable(self.given) else None
+        if works is not None:
+            reference = works[positions]
         else:
             reference = self._on_reference(next(self.domain.patches(self._degree(), positions)))[0]
         return (reference[:, None] @ transform)[:, 0]
 
     def _on_reference(self, patch: Patch) -> tuple[Floats, Floats]:
         """Work (n, dof) on the functions of the reference triangle, and the forces (n, point) it comes from."""
-        force = patch.weights * self.values_given(patch.triangles, patch.xy)
+        force = patch.weights * self._given_on(patch)
         basis = self.element.basis.tabulate(patch.xi, 0)[..., 0, :]  # (..., point, reference dof)
         return (force @ basis if basis.ndim == 2 else (force[:, None] @ basis)[:, 0]), force
 
-    @property
-    def _summed(self) -> Summed:
-        return self.once("summed", self._sum)
+    def _given_on(self, patch: Patch) -> Floats:
+        """The pressure (n, point) on a patch, without the factor; that of the last one is kept."""
+        known: tuple[Patch, Floats] | None = self.kept.get("on patch")
+        if known is None or known[0] is not patch:
+            known = self.kept["on patch"] = patch, self.values_given(patch.triangles, patch.xy)
+        return known[1]
 
-    def _sum(self) -> Summed:
-        """All that is summed of values at points, at once; works where `Domain` keeps maps, too."""
+    def _summed(self, works: bool = False) -> Summed:
+        """All that is summed of values at points, at once, with works where these are asked for and kept."""
+        works = works and self.domain.few and callable(self.given)
+        known: Summed | None = self.kept.get("summed")
+        if known is None or (works and known.reference is None):
+            known = self.kept["summed"] = self._sum(works)
+        return known
+
+    def _sum(self, works: bool) -> Summed:
         domain, varies = self.domain, callable(self.given)
-        count = len(domain.mesh.triangles) if varies and domain.few else 0
-        reference = np.zeros((count, self.element.count))
+        reference = np.zeros((len(domain.mesh.triangles), self.element.count)) if works else None
         centre, total, gross = domain.points.mean(axis=0), np.zeros(3), 0.0
         # a constant pressure has moments of degree 1
         for patch in domain.patches(self._degree() if varies else 1, self.triangles):
-            if count:
+            if reference is not None:
                 reference[patch.triangles], force = self._on_reference(patch)
             else:
-                force = patch.weights * self.values_given(patch.triangles, patch.xy)
+                force = patch.weights * self._given_on(patch)
             total += resultant_of(force, patch.xy, centre)
             gross += float(np.abs(force).sum())
         return Summed(reference, centre, total, gross)
@@ -116,13 +130,13 @@ class AreaLoad(Scaled):
         if self.triangles is None and not callable(self.given):
             area, x, y = self.domain.moments_of_area
             return self.given * np.array([area, y - origin[1] * area, origin[0] * area - x])
-        found = self._summed
+        found = self._summed()
         return found.total + resultant_of(found.total[0], found.centre, origin) * np.array([0.0, 1.0, 1.0])
 
     def _gross(self, size: float) -> float:
         if self.triangles is None and not callable(self.given):
             return float(abs(self.given) * self.domain.moments_of_area[0])
-        return self._summed.gross
+        return self._summed().gross
 
 
 @dataclass

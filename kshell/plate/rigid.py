@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 LOOSE = 1e-10  # resistance to a motion, relative to the largest one in the piece
+SURELY = 1e-6  # of a bound of that resistance: far above its rounding
 UNRESISTED = 1e-24  # of conditions, whose rows are of size one, that is rounding
 LOST = 5.0  # rounding of a sum of forces, in units of the last digit of all together, over the root of their number
 DRIFT = 1e-3  # motion by rounding over the largest deflection that is worth saying
@@ -115,6 +116,8 @@ def require_held(
             biggest = np.abs(total).max(axis=(1, 2), initial=0.0)
             gram += total / np.where(biggest > 0, biggest, 1.0)[:, None, None]
 
+    if not springs and all(_surely_held(*piece_gram.ravel().tolist()) for piece_gram in gram):
+        return []
     value, vector = np.linalg.eigh(gram)
     loose = np.flatnonzero(value[:, 0] < LOOSE * np.maximum(value[:, 2], 1e-300))
     if len(loose):
@@ -122,6 +125,17 @@ def require_held(
         free = vector[k][:, value[k] < LOOSE * max(value[k, 2], 1e-300)]
         raise InputError(_words(free, centres[k], sizes[k], piece_count, mesh, piece == k))
     return _hanging(by_conditions, stiffness) if springs else []
+
+
+def _surely_held(
+    a: float, b: float, c: float, _b: float, d: float, e: float, _c: float, _e: float, f: float
+) -> bool:
+    """Whether the least eigenvalue of a matrix (3, 3) of resistances is far from loose.
+
+    With determinant and trace t it is at least 4 det / t^2, as the product of the other two is at most t^2 / 4.
+    """
+    trace = a + d + f
+    return 4.0 * (a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d)) > SURELY * trace**3
 
 
 def _hanging(by_conditions: Floats, stiffness: Floats) -> list[Hanging]:

@@ -81,12 +81,12 @@ def _fit_line(
     """Fit the smooth pieces of one line and write its edges into ``out``."""
     edges = out.edges[line]
     step = order_of(mesh)  # nodes per edge
-    first = np.where(forward, mesh.edges[edges, 0], mesh.edges[edges, 1])
-    last = np.where(forward, mesh.edges[edges, 1], mesh.edges[edges, 0])
+    pairs = mesh.edges[edges]
+    first = np.where(forward, pairs[:, 0], pairs[:, 1])
     origin = mesh.points[first[0], :2]
     nodes = np.empty((len(line) * step + 1, 2))
     nodes[:-1:step] = mesh.points[first, :2] - origin
-    nodes[-1] = mesh.points[last[-1], :2] - origin
+    nodes[-1] = mesh.points[pairs[-1, 1 if forward[-1] else 0], :2] - origin
     if step > 1:
         between = (
             nodes_along(mesh, edges)[..., :2] - origin
@@ -103,7 +103,7 @@ def _fit_line(
     all_round = _circle(nodes, step, rounding) if closed else None
     if all_round is not None:
         circle, turns = all_round
-        chord, none = np.diff(nodes[::step], axis=0), np.zeros(len(line), dtype=bool)
+        chord, none = nodes[step::step] - nodes[:-step:step], np.zeros(len(line), dtype=bool)
         found = circle.derivatives(chord), circle.shapes(chord), none, ~none
         _store(out, line, forward, nodes[::step], found, none, closed)
         worst = int(np.argmax(turns))
@@ -207,17 +207,19 @@ def _store(
 ) -> None:
     """Turn derivatives in walking direction into tangents, curvatures and shapes of the edges."""
     derivatives, shape, straight, arc = found
-    chord = np.diff(vertices, axis=0)
+    chord = vertices[1:] - vertices[:-1]
+    length = np.hypot(chord[:, 0], chord[:, 1])
     first, second = derivatives[:, :, 0], derivatives[:, :, 1]  # (edge, end, xy)
-    speed = np.linalg.norm(first, axis=2, keepdims=True)
+    speed = np.hypot(first[..., :1], first[..., 1:])
     tangent = first / speed
     curvature = (second - (second * tangent).sum(-1, keepdims=True) * tangent) / speed**2
 
-    flat = (np.abs(shape).max(axis=(1, 2)) < STRAIGHT * np.linalg.norm(chord, axis=1)) | straight
-    shape[flat] = 0.0
-    curvature[flat] = 0.0
-    flat &= ~straight
-    tangent[flat] = (chord / np.linalg.norm(chord, axis=1)[:, None])[flat, None]
+    flat = (np.abs(shape).max(axis=(1, 2)) < STRAIGHT * length) | straight
+    if flat.any():
+        shape[flat] = 0.0
+        curvature[flat] = 0.0
+        flat &= ~straight
+        tangent[flat] = (chord / length[:, None])[flat, None]
 
     # where only the curvature jumps, both neighbours share the mean tangent and curvature
     for k in np.flatnonzero(joint):
@@ -228,10 +230,11 @@ def _store(
         tangent[a, 1] = tangent[b, 0] = mean / np.linalg.norm(mean)
         curvature[a, 1] = curvature[b, 0] = 0.5 * (curvature[a, 1] + curvature[b, 0])
 
-    back = ~forward
-    tangent[back] = -tangent[back, ::-1]
-    curvature[back] = curvature[back, ::-1]
-    # phi(1 - s): delta keeps its value when the edge is walked backwards
-    shape[back] = BACKWARDS @ shape[back]
+    back = (~forward).nonzero()[0]
+    if len(back):
+        tangent[back] = -tangent[back, ::-1]
+        curvature[back] = curvature[back, ::-1]
+        # phi(1 - s): delta keeps its value when the edge is walked backwards
+        shape[back] = BACKWARDS @ shape[back]
     out.tangent[line], out.curvature[line], out.shape[line] = tangent, curvature, shape
     out.arcs[line] = arc & ~flat

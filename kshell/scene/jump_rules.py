@@ -119,11 +119,14 @@ class Look:
         Weights; zero where they are not those of a rule.
     slices : list of slice
         Of each rule.
+    by_rule : (rule, q) array
+        Weights of each rule, zero at the places of others.
     """
 
     places: Floats
     shares: Floats
     slices: list[slice]
+    by_rule: Floats
 
 
 @lru_cache(maxsize=2)
@@ -139,7 +142,11 @@ def looks(k: int) -> tuple[Look, Look]:
 def _look(rules: list[Rule]) -> Look:
     ends = np.cumsum([0, *(len(shares) for _, shares in rules)]).tolist()
     places, shares = (np.concatenate(parts) for parts in zip(*rules, strict=True))
-    return Look(places, shares, [slice(a, b) for a, b in pairwise(ends)])
+    slices = [slice(a, b) for a, b in pairwise(ends)]
+    by_rule = np.zeros((len(rules), len(shares)))
+    for row, own in zip(by_rule, slices, strict=True):
+        row[own] = shares[own]
+    return Look(places, shares, slices, by_rule)
 
 
 def _powers(places: Floats) -> Floats:

@@ -133,44 +133,47 @@ class _Missed:
         self.load, self.space = load, space
         k = self.k = corners.shape[1]
         first, second = looks(k)
-        whole, parts, rim = first.slices
-        finest, layers, *taken = second.slices
+        whole, _, rim = first.slices
         centre, size = corners.mean(axis=(0, 1)), float(np.ptp(corners, axis=(0, 1)).max())
-        moments: list[Any] = [np.zeros(1)] * len(taken)
-        self.gross, off = 0.0, []
+        moments: Any = 0.0  # (rule, force and arms, component)
+        self.gross, off, taken = 0.0, [], len(second.slices) - 2
         for begin in range(0, len(corners), MOST):
             chosen, some = members[begin : begin + MOST], corners[begin : begin + MOST]
             sizes = (space.areas if k == 3 else space.edge_lengths)[chosen]
             values = self._values(chosen, first.places @ some)
-            force = values * (sizes[:, None] * first.shares)[..., None]
-            one, gross = force[:, whole].sum(axis=1), _gross(force[:, parts])
-            missed = _lengths(force[:, parts].sum(axis=1) - one)
+            one, of_parts = (sizes[:, None] * (first.by_rule[rule] @ values) for rule in range(2))
+            gross = sizes * (_lengths(values) @ first.by_rule[1])
+            missed = _lengths(of_parts - one)
             rough = missed > SMOOTH * gross.max(initial=0.0)
             continued = just_inside(k)[1] @ values[:, whole]
             beside_rim = _lengths(values[:, rim] - continued).max(axis=1)
             rough |= beside_rim > STANDS_OUT * (gross / sizes).mean()
             self.gross += float(gross.sum())
-            each = np.repeat(missed[:, None], len(taken), axis=1)
-            here = np.flatnonzero(rough)
-            for part in np.array_split(here, 1 + len(here) * len(second.shares) // (MOST * FEW)):
+            each = np.repeat(missed[:, None], taken, axis=1)
+            here = rough.nonzero()[0]
+            count = -(-len(here) // max(1, MOST * FEW // len(second.shares)))
+            for turn in range(count):
+                part = here[turn::count]
                 at = second.places @ some[part]
-                force = self._values(chosen[part], at) * (sizes[part, None] * second.shares)[..., None]
-                arm = np.concatenate([np.ones((*at.shape[:2], 1)), (at - centre) / size], axis=2).swapaxes(
-                    1, 2
-                )
+                values = self._values(chosen[part], at)
+                arm = np.ones((len(part), 4, at.shape[1]))
+                arm[:, 1:] = ((at - centre) / size).swapaxes(1, 2)
+                # (n, force and arms, rule, component)
+                sums = second.by_rule @ (arm[..., None] * values[:, None])
+                sums *= sizes[part, None, None, None]
                 # of two rules that are fine, the one that is farther off
-                both = [arm[..., rule] @ force[:, rule] for rule in (finest, layers)]
-                farther = _lengths(both[1][:, 0] - one[part]) > _lengths(both[0][:, 0] - one[part])
-                found = np.where(farther[:, None, None], both[1], both[0])
-                its = np.where(farther, _gross(force[:, layers]), _gross(force[:, finest]))
-                self.gross += float((its - gross[part]).sum())
-                for number, rule in enumerate(taken):
-                    left = found - arm[..., rule] @ force[:, rule]
-                    each[part, number] = _lengths(left[:, 0])
-                    moments[number] = moments[number] + left.sum(axis=0)
+                farther = _lengths(sums[:, 0, 1] - one[part]) > _lengths(sums[:, 0, 0] - one[part])
+                found = np.where(farther[:, None, None], sums[:, :, 1], sums[:, :, 0])
+                both = sizes[part, None] * (_lengths(values) @ second.by_rule[:2].T)
+                self.gross += float((np.where(farther, both[:, 1], both[:, 0]) - gross[part]).sum())
+                left = found[:, :, None] - sums[:, :, 2:]
+                each[part] = _lengths(left[:, 0])
+                moments = moments + left.sum(axis=0).swapaxes(0, 1)
             off.append(each)
-        self.moments = np.array([float(np.abs(of).max()) for of in moments])
-        self.off: Floats = np.concatenate(off) if off else np.zeros((0, len(taken)))
+        self.moments: Floats = (
+            np.abs(moments).reshape(taken, -1).max(axis=1) if np.ndim(moments) else np.zeros(taken)
+        )
+        self.off: Floats = np.concatenate(off) if off else np.zeros((0, taken))
 
     def _values(self, members: Ints, points: Floats) -> Floats:
         """(n, point, component)."""
@@ -195,8 +198,3 @@ def _values(load: Any, space: Mesh, triangles: Ints, points: Floats) -> Floats:
 def _lengths(vectors: Floats) -> Floats:
     """(...) lengths of vectors (..., component)."""
     return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
-
-
-def _gross(force: Floats) -> Floats:
-    """(n,) integrals of the sizes of forces (n, point, component)."""
-    return np.asarray(_lengths(force).sum(axis=1))

@@ -189,10 +189,7 @@ class _Sides:
     @cached_property
     def triangles(self) -> Ints:
         """(2, inner edge) triangles on both sides."""
-        mesh = self.mesh
-        last = np.empty(len(mesh.edges), dtype=np.int64)
-        last[mesh.triangle_edges] = np.arange(len(mesh.triangles))[:, None]
-        return np.stack([mesh.edge_owner[self.edges, 0].astype(np.int64), last[self.edges]])
+        return np.asarray(self.mesh.edge_table.sides[:, self.edges] // 3)
 
     def differ(self, value: Values, constant: bool) -> Flags:
         """(inner edge,) whether value(triangles (n,), points (n, 1, 3)) -> (n, 1, k) jumps across an edge."""

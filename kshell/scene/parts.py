@@ -79,6 +79,8 @@ def as_probes(value: Any) -> Any:
 
 def all_of(items: Any, cls: type, key: str, words: str) -> tuple[Any, ...]:
     """The items of a scene under a key, one or a list, each of a class."""
+    if isinstance(items, tuple) and not items:
+        return ()
     if isinstance(items, cls):
         items = (items,)
     if not isinstance(items, Sequence) or isinstance(items, str):

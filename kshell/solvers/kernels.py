@@ -7,46 +7,34 @@ it. The variable KSHELL_COMPILED=0 of the environment leaves both out.
 
 from __future__ import annotations
 
-import os
 from functools import cache
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from kshell.mesh.kernels import loaded
+
 Ints = NDArray[np.integer]
 
-VARIABLE = "KSHELL_COMPILED"
 FRONTS = 1  # of the two that make factors
 VERSION = 3  # of the functions of the compiled modules, which have the same
 
 
-def _loaded(name: str, version: int | None = None) -> Any:
-    if os.environ.get(VARIABLE) == "0":
-        return None
-    try:
-        found = import_module(name)
-    except ImportError:
-        return None
-    wanted = VERSION if version is None else version
-    return found if wanted == found.VERSION else None  # left behind by an older installation from this folder
-
-
-compiled: Any = _loaded("kshell.solvers.compiled")
-cycles: Any = _loaded("kshell.solvers.multigrid.compiled")
+compiled: Any = loaded("kshell.solvers.compiled", VERSION)
+cycles: Any = loaded("kshell.solvers.multigrid.compiled", VERSION)
 
 
 @cache
 def fronts() -> Any:
     """Those of `kshell.solvers.frontal` for patterns, `fronts.pyx`; None where there are not all of them."""
-    return _loaded("kshell.solvers.fronts", FRONTS) if panels() is not None else None
+    return loaded("kshell.solvers.fronts", FRONTS) if panels() is not None else None
 
 
 @cache
 def panels() -> Any:
     """Those for numbers, `panels.pyx`. They bring the BLAS of scipy, so only who needs it loads them."""
-    return _loaded("kshell.solvers.panels", FRONTS)
+    return loaded("kshell.solvers.panels", FRONTS)
 
 
 def which() -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from kshell.values.expression import CONSTANTS, NORMAL, PLACE, Expression
+from kshell.values.expression import CONSTANTS, NORMAL, PLACE, formula
 
 IN_PLANE = {"x": 1, "y": 1, "z": 0, **dict.fromkeys(NORMAL, 0)}  # of constant z
 IN_SPACE = {"x": 1, "y": 1, "z": 1}
@@ -21,7 +21,7 @@ def polynomial_degree(value: Any, of: Mapping[str, int] = IN_PLANE) -> int | Non
     that in x and y is meant, `IN_SPACE` that in x, y and z.
     """
     if isinstance(value, str):
-        return _degree(Expression(value, (*PLACE, *NORMAL)).tree, of)
+        return _degree(formula(value, (*PLACE, *NORMAL)).tree, of)
     if callable(value):
         return None
     if isinstance(value, Sequence | np.ndarray):

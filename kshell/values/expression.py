@@ -124,10 +124,16 @@ class Expression:
         arrays = [np.asarray(v, dtype=np.float64) for v in values]
         variables = dict(zip(self.names, arrays, strict=True))
         with np.errstate(all="ignore"):
-            result = _program(self.text, self.names)(variables)
-        return np.array(
-            np.broadcast_to(np.asarray(result, float), np.broadcast_shapes(*(a.shape for a in arrays)))
-        )
+            result = np.array(_program(self.text, self.names)(variables), float)
+        shapes = {array.shape for array in arrays}
+        shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
+        return result if result.shape == shape else np.array(np.broadcast_to(result, shape))
+
+
+@lru_cache(maxsize=256)
+def formula(text: str, names: tuple[str, ...]) -> Expression:
+    """The `Expression` of a text, made once: loads ask for theirs many times."""
+    return Expression(text, names)
 
 
 @lru_cache(maxsize=256)
@@ -266,16 +272,14 @@ def _compiled(node: ast.expr) -> Program:
                 return lambda variables: variables.get(name, known)
             return operator.itemgetter(name)
         case ast.BinOp(left=left, op=op, right=right):
-            # booleans count as 0 and 1: (x > 0.5) * 1000
-            work, a, b = ARITHMETIC[type(op)], _compiled(left), _compiled(right)
-            return lambda variables: work(np.asarray(a(variables), float), np.asarray(b(variables), float))
+            work, a, b = ARITHMETIC[type(op)], _number(left), _number(right)
+            return lambda variables: work(a(variables), b(variables))
         case ast.UnaryOp(op=op, operand=operand):
-            inner = _compiled(operand)
             if isinstance(op, ast.Not):
-                return lambda variables: np.logical_not(inner(variables))
-            if isinstance(op, ast.USub):
-                return lambda variables: -np.asarray(inner(variables), float)
-            return lambda variables: np.asarray(inner(variables), float)
+                truth = _compiled(operand)
+                return lambda variables: np.logical_not(truth(variables))
+            inner = _number(operand)
+            return (lambda variables: -inner(variables)) if isinstance(op, ast.USub) else inner
         case ast.Compare(left=left, ops=ops, comparators=others):
             terms = [_compiled(n) for n in (left, *others)]
             tests = [COMPARISONS[type(op)] for op in ops]
@@ -288,9 +292,22 @@ def _compiled(node: ast.expr) -> Program:
             choice = [_compiled(n) for n in (test, body, orelse)]
             return lambda variables: np.where(*(part(variables) for part in choice))
         case ast.Call(func=ast.Name(id=name), args=arguments):
-            function, given = FUNCTIONS[name][2], [_compiled(n) for n in arguments]
-            return lambda variables: function(*(np.asarray(part(variables), float) for part in given))
+            function, given = FUNCTIONS[name][2], [_number(n) for n in arguments]
+            if len(given) == 1:
+                only = given[0]
+                return lambda variables: function(only(variables))
+            return lambda variables: function(*[part(variables) for part in given])
     raise AssertionError(f"{type(node).__name__} passed the check but cannot be evaluated")
+
+
+def _number(node: ast.expr) -> Program:
+    """The same where numbers are wanted: booleans count as 0 and 1, as in (x > 0.5) * 1000."""
+    found = _compiled(node)
+    if isinstance(node, ast.Compare | ast.BoolOp | ast.IfExp) or (
+        isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)
+    ):
+        return lambda variables: np.asarray(found(variables), float)
+    return found
 
 
 def _compared(tests: list[Callable[[Any, Any], Any]], terms: list[Any]) -> Any:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from kshell.errors import InputError
 from kshell.mesh.words import shown
-from kshell.values.expression import NORMAL, PLACE, Expression
+from kshell.values.expression import NORMAL, PLACE, formula
 from kshell.values.time import NO_TIME, depends_on_normal, depends_on_time
 
 Floats = NDArray[np.float64]
@@ -87,7 +87,7 @@ def _scalar(value: Any, points: Floats, what: str) -> Floats:
     if isinstance(value, str):
         try:
             names = PLACE if points.shape[1] == len(PLACE) else (*PLACE, *NORMAL)
-            return Expression(value, names)(*points.T)
+            return formula(value, names)(*points.T)
         except InputError as error:
             words = NO_TIME if depends_on_time(value) else NO_NORMAL if depends_on_normal(value) else error
             raise InputError(f"{what}: {words}") from None

@@ -11,8 +11,10 @@ import setuptools
 
 import kshell as ks
 from kshell.analysis.models import model_of
+from kshell.elements import kernels as element_kernels
 from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.sparsity import Sparsity, group_pairs
+from kshell.mesh import kernels as mesh_kernels
 from kshell.solvers import kernels
 from kshell.solvers.dissection import dissected
 from kshell.solvers.multigrid.coarsen import independent
@@ -21,8 +23,14 @@ from kshell.solvers.multigrid.hct import interpolation_weights
 from kshell.solvers.multigrid.levels import RelaxedLevel, SweptLevel, level_of
 
 ROOT = Path(__file__).parents[2]
-MODULES = ("kshell.solvers.compiled", "kshell.solvers.multigrid.compiled")
-FACTORS = ("kshell.solvers.fronts", "kshell.solvers.panels")
+VERSIONS = {
+    "kshell.elements.compiled": element_kernels.VERSION,
+    "kshell.mesh.compiled": mesh_kernels.VERSION,
+    "kshell.solvers.compiled": kernels.VERSION,
+    "kshell.solvers.fronts": kernels.FRONTS,
+    "kshell.solvers.panels": kernels.FRONTS,
+    "kshell.solvers.multigrid.compiled": kernels.VERSION,
+}
 built = pytest.mark.skipif(kernels.compiled is None, reason="kshell was installed without a C compiler")
 
 
@@ -197,21 +205,18 @@ def test_independent_sets(monkeypatch):
 
 
 def test_they_can_be_left_out(monkeypatch):
-    monkeypatch.setenv(kernels.VARIABLE, "0")
-    assert [kernels._loaded(name) for name in MODULES] == [None, None]
-    assert [kernels._loaded(name, kernels.FRONTS) for name in FACTORS] == [None, None]
+    monkeypatch.setenv(mesh_kernels.VARIABLE, "0")
+    assert {mesh_kernels.loaded(name, version) for name, version in VERSIONS.items()} == {None}
     monkeypatch.setattr(kernels, "compiled", None)
     assert kernels.which() == "numpy"
 
 
 @built
 def test_what_an_older_installation_left_is_not_used(monkeypatch):
-    monkeypatch.delenv(kernels.VARIABLE, raising=False)
-    assert None not in [kernels._loaded(name) for name in MODULES]
-    assert None not in [kernels._loaded(name, kernels.FRONTS) for name in FACTORS]
-    assert [kernels._loaded(name, kernels.FRONTS + 1) for name in FACTORS] == [None, None]
-    monkeypatch.setattr(kernels, "VERSION", 0)
-    assert [kernels._loaded(name) for name in MODULES] == [None, None]
+    monkeypatch.delenv(mesh_kernels.VARIABLE, raising=False)
+    there = [name for name, version in VERSIONS.items() if mesh_kernels.loaded(name, version) is not None]
+    assert there
+    assert {mesh_kernels.loaded(name, VERSIONS[name] + 1) for name in there} == {None}
 
 
 def test_an_installation_does_without_a_compiler(monkeypatch):
@@ -220,7 +225,7 @@ def test_an_installation_does_without_a_compiler(monkeypatch):
     monkeypatch.setattr(setuptools, "setup", given.update)
     monkeypatch.setattr(sys, "argv", ["setup.py"])
     runpy.run_path("setup.py")
-    assert {extension.name for extension in given["ext_modules"]} == {*MODULES, *FACTORS}
+    assert {extension.name for extension in given["ext_modules"]} == set(VERSIONS)
     for extension in given["ext_modules"]:
         assert extension.optional
         assert all((ROOT / source).is_file() for source in extension.sources)

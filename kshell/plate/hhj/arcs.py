@@ -27,7 +27,7 @@ from kshell.elements.hierarchic import orthonormal, polynomial_count
 from kshell.elements.jets import legendre
 from kshell.elements.quadrature import interval_rule
 from kshell.plate.domain import Patch
-from kshell.plate.hhj.geometry import GRADIENTS, Triangles
+from kshell.plate.hhj.geometry import GRADIENTS, TURN, Triangles
 from kshell.plate.hhj.tables import Tables, tables
 
 Floats = NDArray[np.float64]
@@ -65,7 +65,7 @@ class Alongside:
     @cached_property
     def gradient(self) -> Floats:
         """(2, n, point, m) of w's functions, by reference coordinates."""
-        return np.stack([self.psi @ table for table in self.tables.jets[1:3]])
+        return self.psi @ self.tables.jets[1:3, None]
 
     def derivative(self, direction: Floats) -> Floats:
         """(n, point, m) derivatives of w along vectors (n, point, 2)."""
@@ -83,6 +83,8 @@ class Arcs:
     order : int
     held_slopes : (n,) int array
         Edges whose slope is held.
+    degree : int
+        Of polynomials that are integrated later: the same points are taken for all.
 
     Attributes
     ----------
@@ -99,7 +101,9 @@ class Arcs:
         Unknowns of the plane through given values at the vertices.
     """
 
-    def __init__(self, triangles: Triangles, order: int, held_slopes: Ints) -> None:
+    def __init__(self, triangles: Triangles, order: int, held_slopes: Ints, degree: int = 0) -> None:
+        self.degree = degree
+        self._latest: tuple[Patch, Floats] | None = None
         assert triangles.domain is not None
         self.straight, self.domain, self.order = triangles, triangles.domain, order
         self.tables = tables(order)
@@ -178,6 +182,16 @@ class Arcs:
         patch = self.domain.curved_patch(chosen, degree)
         return patch, self.straight.reference(patch.xy, chosen)
 
+    def tabulated(self, place: Ints, degree: int) -> tuple[Patch, Floats]:
+        """The same with psi of the degree of w there; of all triangles, where these are few, what is at hand."""
+        patch = self.domain.curved_patch(self.triangles[place], degree)
+        if self._latest is not None and self._latest[0] is patch:
+            return self._latest
+        found = patch, orthonormal(self.order, self.straight.reference(patch.xy, patch.triangles))
+        if len(place) == len(self.triangles) <= BLOCK:
+            self._latest = found
+        return found
+
     @cached_property
     def _bulk(self) -> tuple[Floats, Floats, Floats]:
         """L^-1 (c, k, k), (c, 3, k, m) integrals of psi with second derivatives 11, 22, 12, and (c, m) of w, from c."""
@@ -185,8 +199,7 @@ class Arcs:
         mass = np.empty((n, k, polynomial_count(self.order)))
         for start in range(0, n, BLOCK):
             place = np.arange(start, min(start + BLOCK, n))
-            patch, xi = self.patch(place, 2 * self.order)
-            psi = orthonormal(self.order, xi)
+            patch, psi = self.tabulated(place, max(2 * self.order, self.degree))
             weighted = (psi[..., :k] * patch.weights[..., None]).swapaxes(1, 2)
             mass[place] = weighted @ psi
         low = np.linalg.inv(np.linalg.cholesky(mass[..., :k]))
@@ -264,4 +277,4 @@ class Arcs:
 
 def _across(speed: Floats) -> Floats:
     """Vectors turned by -90 degrees: normals times |gamma'|."""
-    return np.stack([speed[..., 1], -speed[..., 0]], axis=-1)
+    return speed[..., ::-1] * TURN

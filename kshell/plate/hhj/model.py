@@ -76,7 +76,8 @@ class HHJModel(Model):
         self._held = translate.held(self.triangles, order, self.problem.supports)
         if self._held.values is not None:
             _ = self.problem.reduction  # finds values that contradict each other
-        self.arcs = Arcs(self.triangles, order, self._held.slopes) if curved else None
+        degree = translate.load_degree(order, self.loads.forms)
+        self.arcs = Arcs(self.triangles, order, self._held.slopes, degree) if curved else None
 
     def system(self, solver: str = "auto") -> HHJSystem:
         """The factorised system, made once for each solver.

@@ -156,6 +156,12 @@ def load(system: HHJSystem, forms: Sequence[LinearForm]) -> Load:
     return out
 
 
+def load_degree(order: int, forms: Sequence[LinearForm]) -> int:
+    """The degree of polynomials for which pressures that vary are integrated; 0 where none varies."""
+    varies = any(isinstance(form, AreaLoad) and form.uniform is None for form in forms)
+    return order + LOAD_DEGREE if varies else 0
+
+
 def vertex_of(form: PointLoad, points: Floats) -> int:
     """The vertex a point load acts at."""
     corners = form.domain.mesh.triangles[form.triangles[0]]
@@ -218,9 +224,9 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
     if arcs is not None:
         chosen, bent = _divided(chosen, arcs)
         if form.uniform is None:
-            patch, xi = arcs.patch(arcs.place[bent], system.order + LOAD_DEGREE)
-            weighted = form.values(bent, patch.xy) * patch.weights
-            out.local[bent] += (weighted[:, None] @ t.inside(xi))[:, 0]
+            patch, psi = arcs.tabulated(arcs.place[bent], load_degree(system.order, [form]))
+            weighted = form.values_on(patch) * patch.weights
+            out.local[bent] += (weighted[:, None] @ psi)[:, 0] @ t.jets[0]
         else:
             out.local[bent] += form.uniform * arcs.integrals[arcs.place[bent]]
     if form.uniform is not None:

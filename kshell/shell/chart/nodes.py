@@ -164,10 +164,7 @@ class Nodes:
     @cached_property
     def _beside(self) -> Ints:
         """(2, edge) triangles on both sides, the same one twice at the boundary."""
-        mesh = self.mesh
-        last = np.empty(len(mesh.edges), dtype=np.int64)
-        last[mesh.triangle_edges] = np.arange(len(mesh.triangles))[:, None]
-        return np.stack([mesh.edge_owner[:, 0].astype(np.int64), last])
+        return np.asarray(self.mesh.edge_table.sides // 3)
 
     def fans_at(self, edges: NDArray[np.integer], side: int) -> Ints:
         """(n, 2) fans at the lower and the higher vertex of edges, of the triangle on one side."""
