@@ -16,7 +16,7 @@ from kshell.equilibrium.reduced import ReducedPattern
 from kshell.equilibrium.reduction import Reduction
 from kshell.errors import SolveError
 from kshell.solvers.backends import CHOLMOD, PARDISO, RSLAB, Singular
-from kshell.solvers.frontal import Frontal
+from kshell.solvers.frontal import Frontal, Fronts
 from kshell.solvers.frontal import installed as fronts_installed
 from kshell.solvers.repeated import Cholmod, Factor, Pardiso, Rslab, SuperLU, renumbered
 
@@ -161,6 +161,13 @@ class Factoriser:
             return None
         definite = summed.factor.definite or summed.factor.negative == 0
         return (summed.found, summed.factor) if definite else None
+
+    def fronts(self) -> Fronts | None:
+        """What the factor at rest looks like, from the pattern alone; None where a library makes it, or it is full."""
+        matrices = self._matrices(None)
+        if matrices.small or not matrices.possible or self._kinds(True, True)[0] is not Frontal:
+            return None
+        return matrices.fronts()
 
     def _matrices(self, springs: sp.spmatrix | None) -> FreeMatrices:
         if self._free is None or self._springs is not springs:

@@ -20,7 +20,7 @@ from kshell.equilibrium.energy import Put, StrainEnergy
 from kshell.equilibrium.free_pattern import FreePattern
 from kshell.equilibrium.merged import Columns, Merged, Mirrored
 from kshell.errors import SolveError
-from kshell.solvers.frontal import Frontal
+from kshell.solvers.frontal import Frontal, Fronts, fronts_of
 from kshell.solvers.memory import give_back
 from kshell.solvers.nearest import picked
 from kshell.solvers.repeated import Cholmod, Factor, SuperLU, dense_factor, renumbered
@@ -119,6 +119,11 @@ class FreeMatrices:
     def possible(self) -> bool:
         """Whether `factorise` is: conditions do not couple groups of unknowns."""
         return bool(self._basis.shape[1]) and FreePattern.possible(self._energy.sparsity, self._basis)
+
+    def fronts(self) -> Fronts:
+        """What a factor by fronts looks like."""
+        pattern = Known(Frontal, self._energy, self._basis, self._springs).pattern
+        return fronts_of(pattern.indptr, pattern.indices)
 
     def dense(self, evaluate: Callable[[Put], Any]) -> Summed | None:
         """The sum as a full matrix, factorised; None where it is not positive definite. See `factorise`."""

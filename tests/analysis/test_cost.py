@@ -12,6 +12,7 @@ from kshell.analysis import cost
 from kshell.analysis.models import model_of
 from kshell.cli.commands import run
 from kshell.equilibrium.model import Model
+from kshell.solvers import frontal
 
 MESHES = Path(__file__).parents[2] / "meshes"
 
@@ -64,6 +65,56 @@ def test_seconds_are_those_of_a_quiet_machine(unknowns: int, processes: int, tak
     said = cost.cost_of(cast("Model", model), processes)
     assert said is not None
     assert taken / 3.0 < said.seconds < taken
+
+
+@pytest.mark.parametrize(
+    ("order", "unknowns", "operations", "numbers", "memory", "seconds"),
+    [
+        (1, 135_300, 4.165e9, 19.56e6, 488e6, 1.85),
+        (1, 406_120, 2.181e10, 65.5e6, 1196e6, 6.32),
+        (2, 104_272, 4.289e9, 18.5e6, 397e6, 0.86),
+        (2, 304_720, 2.160e10, 60.2e6, 902e6, 2.73),
+        (2, 1_003_472, 1.302e11, 222.5e6, 2778e6, 11.44),
+        (3, 69_960, 2.742e9, 12.3e6, 323e6, 0.71),
+        (3, 230_880, 1.685e10, 47.3e6, 881e6, 2.44),
+        (3, 390_000, 3.708e10, 84.1e6, 1327e6, 4.52),
+    ],
+)
+def test_what_shells_took(
+    order: int, unknowns: int, operations: float, numbers: float, memory: float, seconds: float
+) -> None:
+    """What whole solves took on the machine of the figures, by the operations and numbers that were counted."""
+    said = cost.COUNTED["koiter", order].cost(unknowns, operations, numbers)
+    assert said.memory == pytest.approx(memory, rel=0.1)
+    assert seconds / 1.5 < said.seconds < 1.5 * seconds
+
+
+@pytest.mark.skipif(not frontal.installed(), reason="kshell was installed without a C compiler")
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_fronts_are_counted_as_they_are_made(order: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[frontal.Fronts] = []
+    factorise = frontal.Frontal.factorise
+
+    def noted(self: frontal.Frontal, entries: frontal.Floats) -> frontal.Factor:
+        made.append(self.fronts)
+        return factorise(self, entries)
+
+    monkeypatch.setattr(frontal.Frontal, "factorise", noted)
+    model = model_of(roof(18, order=order, model="shell"))
+    counted = cost.fronts_of_model(model)
+    model.solve("direct")
+    assert counted is not None
+    assert (counted.entries, counted.stacked) == (made[0].entries, made[0].stacked)
+    assert counted.operations == made[0].operations
+    said = cost.cost_of(model, 1, 2.0, counted)
+    assert said is not None
+    figures = cost.COUNTED["koiter", order]
+    numbers = made[0].entries + made[0].stacked
+    assert said.memory == figures.base + figures.held * model.unknowns + 8.0 * numbers
+    assert said.seconds == pytest.approx(
+        0.5 * (figures.seconds * model.unknowns + made[0].operations / cost.FRONT_FLOPS)
+    )
+    assert "memory within a tenth" in cost.cost_lines(model)[0]
 
 
 @pytest.mark.parametrize("slower", [0.5, 1.0, 3.0])
