@@ -74,13 +74,13 @@ def probe_values(probes: Mapping[str, Point], fields: Evaluates, mesh: Mesh, wha
     what : "plate" or "shell"
         For messages.
     """
-    out = Probed()
+    out, together = Probed(), _Together(fields)
     typical = float(np.sqrt(2 * np.median(mesh.areas))) if probes else 0.0
     for name, given in probes.items():
         point = np.array(given, dtype=float)
         on = given.on if isinstance(given, ProbePoint) else None
         if on is None and not fields.has_sheets and _near(mesh.points - point, typical):
-            later = _Later(fields, point)
+            later = together.at(point)
             out.values.make(name, later.completed)
             out.triangles.make((name, ""), later.triangle)
             out.motions.make(name, later.motion)
@@ -114,26 +114,40 @@ def _near(offsets: Floats, reach: float) -> bool:
     return bool((np.einsum("ni,ni->n", offsets, offsets) <= reach**2).any())
 
 
+class _Together:
+    """Values at some points, of all when the first is looked at: they share what is found around them."""
+
+    def __init__(self, fields: Evaluates) -> None:
+        self.fields = fields
+        self._points: list[Floats] = []
+
+    def at(self, point: Floats) -> _Later:
+        """One more point."""
+        self._points.append(point)
+        return _Later(self, len(self._points) - 1, point)
+
+    @cached_property
+    def values(self) -> dict[str, Floats]:
+        """Arrays with a row for each point."""
+        return self.fields.at(np.array(self._points))
+
+
 class _Later:
     """Values at one point, when they are looked at."""
 
-    def __init__(self, fields: Evaluates, point: Floats) -> None:
-        self._fields, self._point = fields, point
-
-    @cached_property
-    def _values(self) -> dict[str, Any]:
-        return {key: value[0] for key, value in self._fields.at(self._point[None]).items()}
+    def __init__(self, together: _Together, number: int, point: Floats) -> None:
+        self._together, self._number, self._point = together, number, point
 
     def completed(self) -> dict[str, Any]:
-        return _completed(self._values)
+        return _completed({key: value[self._number] for key, value in self._together.values.items()})
 
     def motion(self) -> Floats:
-        if "_values" in self.__dict__:
-            return np.asarray(self._values["u"], dtype=float)
-        return self._fields.motion(self._point[None])[0]
+        if "values" in self._together.__dict__:
+            return np.asarray(self._together.values["u"][self._number], dtype=float)
+        return self._together.fields.motion(self._point[None])[0]
 
     def triangle(self) -> int:
-        return int(self._values["triangle"])
+        return int(self._together.values["triangle"][self._number])
 
 
 def _alike(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:

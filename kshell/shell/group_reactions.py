@@ -153,7 +153,9 @@ def _shared(supports: ShellSupports, forces: Floats, sizes: Floats) -> list[tupl
     from scipy.sparse.linalg import LinearOperator, lsqr
 
     # unknowns of one size, so that what is held twice is shared alike in any units
-    onto = [_onto_held(group.conditions.alone(), sizes) for group in held]
+    if not supports.projectors:
+        supports.projectors += [_onto_held(group.conditions.alone(), sizes) for group in held]
+    onto = supports.projectors
     touched = np.any([t for _, t in onto], axis=0)
     scaled = np.where(touched, sizes * forces, 0.0)
 

@@ -57,10 +57,14 @@ class Alone:
         self.add(made)
         return made
 
-    def alone(self) -> Reduction:
-        """The motions that they leave."""
+    @cached_property
+    def _reduction(self) -> Reduction:
         found: Reduction = self._conditions.alone()
         return found
+
+    def alone(self) -> Reduction:
+        """The motions that they leave."""
+        return self._reduction
 
 
 @dataclass
@@ -95,12 +99,15 @@ class ShellSupports:
     links : list of Link
         Rigid links.
     warnings : list of str
+    projectors : list
+        Onto what each group with conditions holds, once reactions were shared among them.
     """
 
     conditions: Any
     groups: list[HeldGroup] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    projectors: list[Any] = field(default_factory=list)
 
     @property
     def springs(self) -> sp.csr_matrix | None:
