@@ -73,8 +73,10 @@ class FieldFigure:
         low, high = float(marked.min()), float(marked.max())
         style = colours(low, high)
         self._image.set_array(values)
+        norm: Any = self._image.norm
+        with norm.callbacks.blocked():  # the bar is drawn anew for the colours alone, and not for each limit
+            norm.vmin, norm.vmax = style["vmin"], style["vmax"]
         self._image.set_cmap(style["cmap"])
-        self._image.set_clim(style["vmin"], style["vmax"])
         for drawn in self._marks:
             drawn.remove()
         self._marks = draw_marks(self._axes, marks(marked, self._rows), self._nodes)

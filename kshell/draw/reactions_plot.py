@@ -22,6 +22,10 @@ SOME = 0.02  # forces at ends smaller than this part of the largest resultant ar
 MOST_ENDS = 2
 ROUNDING = 1e-9  # of the largest resultant, what is nothing
 COLUMNS = 2
+# inches: width of a panel, height of its curves, and what is left beside these; what titles of panels, numbers, a line
+# of words below them and the title of the picture take. Places are set here: to find them from the sizes of texts takes
+# longer than to draw everything.
+WIDE, UP, LEFT, RIGHT, ABOVE, NUMBERS, LINE, HEAD = 3.75, 1.75, 0.66, 0.12, 0.3, 0.26, 0.12, 0.27
 # powers of force and length in their units
 KEYS: dict[str, tuple[int, int]] = {"force": (1, -1), "moment": (1, 0)}
 COLOURS = ("#b2182b", "#1a7a4c", "#2166ac")  # of x, y, z
@@ -44,19 +48,25 @@ def reactions_figure(result: Result) -> Figure:
         if largest[key] > 0.0 and np.abs(lines[name][key]).max() >= SMALL * largest[key]
     ] or [(name, "force") for name in chosen]
     columns = min(COLUMNS, len(panels))
-    rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(3.75 * columns, 2.4 * rows + 0.8), layout="constrained")
+    words = [_over(lines[name]) + (_at_ends(every, name) if key == "force" else "") for name, key in panels]
+    rows = [words[k : k + columns] for k in range(0, len(panels), columns)]
+    below = [NUMBERS + LINE * (1 + max(text.count("\n") for text in row)) for row in rows]
+    wide = WIDE * columns
+    tall = (HEAD if result.title else 0.0) + (ABOVE + UP) * len(rows) + sum(below)
+    figure = Figure(figsize=(wide, tall))
     FigureCanvasAgg(figure)
-    places = figure.subplots(rows, columns, squeeze=False).ravel()
-    for axes in places[len(panels) :]:
-        axes.set_axis_off()
-    for axes, (name, key) in zip(places, panels, strict=False):
-        _curves(axes, lines[name], key, largest[key])
-        axes.set_title(labelled(f"{name}: {key} per length", result.units, *KEYS[key]), fontsize=9)
-        axes.legend(fontsize=8)
-        axes.set_xlabel(_over(lines[name]) + (_at_ends(every, name) if key == "force" else ""), fontsize=6.5)
     if result.title:
-        figure.suptitle(result.title, fontsize=11)
+        figure.suptitle(result.title, fontsize=11, y=1.0 - 0.1 / tall)
+    for number, (name, key) in enumerate(panels):
+        row, column = divmod(number, columns)
+        bottom = (ABOVE + UP) * (len(rows) - 1 - row) + sum(below[row:])
+        place = ((WIDE * column + LEFT) / wide, bottom / tall, (WIDE - LEFT - RIGHT) / wide, UP / tall)
+        axes = figure.add_axes(place)
+        _curves(axes, lines[name], key, largest[key])
+        axes.set_title(labelled(f"{name}: {key} per length", result.units, *KEYS[key]), fontsize=9, y=1.0)
+        axes.legend(fontsize=8)
+        axes.set_xlabel(words[number], fontsize=6.5)
+        axes.xaxis.set_label_coords(0.5, -NUMBERS / UP)
     return figure
 
 

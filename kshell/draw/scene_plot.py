@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from kshell.draw.canvas import add_below, draw_edges, new_figure
 from kshell.draw.in_time import largest_values, pressed
+from kshell.draw.signs import away, toward
 from kshell.mesh import Mesh, Selection, select
 from kshell.mesh.check import is_flat
 from kshell.mesh.facing import top_words
@@ -193,8 +194,8 @@ def _forces(axes: Axes, mesh: Mesh, points: Floats, vector: Floats, label: str, 
         return
     seen = 1e-9 * most
     for sign, marker, words in (
-        (1.0, r"$\odot$", "+z, toward you"),
-        (-1.0, r"$\otimes$", "-z, away from you"),
+        (1.0, toward(), "+z, toward you"),
+        (-1.0, away(), "-z, away from you"),
     ):
         x = points[sign * vector[:, 2] > seen]
         if len(x):
