@@ -136,8 +136,8 @@ class Counted:
 
 # of regular grids of 7e4 to 1e6 unknowns
 COUNTED = {
-    ("koiter", 1): Counted(13.5e-6, 1250.0, 165e6),
-    ("koiter", 2): Counted(7.2e-6, 830.0, 165e6),
+    ("koiter", 1): Counted(13.5e-6, 1250.0, 150e6),
+    ("koiter", 2): Counted(7.2e-6, 830.0, 150e6),
     ("koiter", 3): Counted(8.6e-6, 1560.0, 120e6),
 }
 FRONT_FLOPS = 3.3e10  # a second, with what the system takes to give memory
