@@ -48,6 +48,10 @@ SAFETY_FIRST = 5.0  # of order 1: of 73 folded shells 13 were outside twice the 
 # follow the truth (of 170 coarse folded and curved shells of orders 2 to 4 with more than a tenth, 21 were outside, by
 # up to 2.5 times)
 COARSE = 6.0
+# of all of the motion of a probe, what components across it are known to at best: they come of what is left of it at a
+# support, far from where their duals are (three parts that meet in a T and swing about one end of the third: .03 beside
+# 2.2 was off by 2.6 times its interval, by .06 of that of the whole). What nothing couples is known by itself
+ACROSS, COUPLED = 0.1, 1e-6
 FACETED = (
     "flat triangles stand for a curved surface and meet at such angles that stiffness may be wrong by any factor: mesh "
     "with order 2, name the geometry the mesh was made from, or give the chart"
@@ -155,6 +159,8 @@ def _assess(
             width[k] = safety * float(both.sum()) + unknown
             mark += both
             bent += its_energy
+        whole = float(np.linalg.norm(width))
+        width = np.where(width > COUPLED * whole, np.maximum(width, ACROSS * whole), width)
         value = result.motion_at_probe(name)
         size = float(np.linalg.norm(value))
         if problem.structure.chart is None and problem.space.midpoints is not None and size > 0.0:

@@ -13,6 +13,7 @@ import kshell as ks
 from kshell.error.fold_ends import hidden_at_fold_ends
 from kshell.error.foundations import HiddenLayers
 from kshell.error.geometry_share import curvature_of_triangles
+from kshell.mesh.halve import halved
 from kshell.mesh.mesh import Mesh
 from kshell.scene.structure import resolve
 from kshell.verify.cases.catalogue import find
@@ -190,3 +191,40 @@ def test_small_facets_have_wide_intervals() -> None:
     assert 0.2 < result.error["budget"]["geometry"] < 1.02 * 5.0 * np.pi / 40
     curved = dataclasses.replace(of, facets="curved")
     assert meets(result, ks.solve(curved))
+
+
+def tee(cells: int) -> Mesh:
+    parts = []
+    for a, b in ((1.0, 0.0), (-1.0, 0.0), (0.47, 0.65)):
+        flat = rectangle(1, cells)
+        s, t = flat.points[:, 0], flat.points[:, 1]
+        parts.append((np.stack([a * s, 1.5 * t, b * s], axis=1), flat.triangles))
+    mesh = joined(*parts)
+    x = mesh.points[mesh.edges]
+    standing = (x[..., 2].max(axis=1) > 0.1) & (x[..., 2].min(axis=1) < 1e-9)
+    groups = {
+        name: mesh.edges[standing & (np.abs(x[..., 1] - y) < 1e-9).all(axis=1)]
+        for name, y in (("near", 0.0), ("far", 1.5))
+    }
+    return Mesh.from_arrays(mesh.points, mesh.triangles, groups)
+
+
+def test_small_components_of_large_motions() -> None:
+    """A part that is supported at one end swings far, and a little along its axes."""
+    tip = (-1.0, 1.5, 0.0)
+    of = ks.Scene(
+        tee(4),
+        thickness=4e-3,
+        material=ks.Isotropic(E=1e9, nu=0.3),
+        supports=[ks.SimplySupported("near"), ks.Elastic("far", 1e5, "xyz")],
+        loads=[ks.Traction((2.0, 45.0, 26.0)), ks.Pressure(37.0)],
+        probes={"tip": tip},
+        crease=5.0,
+        solve={**LINEAR, "model": "shell"},
+    )
+    exact = ks.solve(dataclasses.replace(of, mesh=halved(halved(of.mesh))), order=4)
+    for order in (2, 3, 4):
+        result = ks.solve(of, order=order)
+        off = np.abs(result.probe("tip")["u"] - exact.probe("tip")["u"])
+        width = [np.array(r.error["probes"]["tip"]["u"]["half_width"]) for r in (result, exact)]
+        assert (off <= width[0] + width[1]).all(), order
