@@ -1,13 +1,20 @@
 """The multigrid of plates on a team: kshell's interpolations in PETSc's PCMG.
 
-Interpolations are found by the first process and dealt out by rows; the coarse matrices are products of PETSc. A
-W-cycle with one symmetric sweep of Gauss-Seidel inside each process, MUMPS on the coarsest level.
+Interpolations are found by the first process, one level at a time, and dealt out by rows; the coarse matrices are
+products of PETSc. A W-cycle, smoothed by Chebyshev's iteration of degree 3 on symmetric sweeps of Gauss-Seidel inside
+each process; every process factorises the coarsest matrix, which is small and visited often.
+
+Tried and left out: the sweeps alone, whose corrections beside borders of processes may be too long by more than 2, so
+that the cycle was indefinite on four processes; degree 2, as quick, with two more iterations on four processes than on
+one; MUMPS on the coarsest level, which waits for messages five times as long.
 """
 
 from __future__ import annotations
 
 import time
 from dataclasses import replace
+from functools import partial, reduce
+from operator import matmul
 from typing import Any
 
 import numpy as np
@@ -20,10 +27,12 @@ from kshell.distributed.matrix import Scattered, Terms
 from kshell.distributed.numbering import Assembled, Basis, Numbering
 from kshell.distributed.prepared import PetscFactorisation
 from kshell.distributed.team import Team
+from kshell.solvers.memory import give_back
 from kshell.solvers.multigrid.galerkin import entries
-from kshell.solvers.multigrid.hierarchy import prolongations
+from kshell.solvers.multigrid.hierarchy import Descent
 from kshell.solvers.multigrid.pcg import Run, conjugate_gradients
 from kshell.solvers.multigrid.solver import ARGYRIS_TOLERANCE, TIGHTEST, Multigrid
+from kshell.solvers.multigrid.vertex_space import take_rows
 from kshell.solvers.system import Floats, PlateSpace, Product, Progress, Solution
 
 Doubles = NDArray[np.float64]
@@ -38,70 +47,53 @@ class Levels(Shared):
     team : Team
     terms, known :
         The matrix, as of `Scattered`.
-    chain : list of sparse CSR
-        Interpolations from the finest to the coarsest level; of the first process alone.
+    descent : Descent
+        Of the first process alone.
     """
 
-    def __init__(
-        self, team: Team, terms: Terms, known: sp.csr_matrix | None, chain: list[sp.csr_matrix]
-    ) -> None:
+    def __init__(self, team: Team, terms: Terms, known: sp.csr_matrix | None, descent: Descent) -> None:
         from petsc4py import PETSc
 
         super().__init__(team)
         free_dropped(team)
         share = terms.share
         basis = Basis(team, whole_reduction(share.count), share)
-        owner, kept = basis.free.owner, None
-        self._fine = here = Numbering(team, owner)
+        self._fine = here = Numbering(team, basis.free.owner)
         self._assembled = Assembled(basis, here, half=False)
         self._assembled.fill(terms, known)
         mat = self._assembled.mat
         mat.setOption(PETSc.Mat.Option.SPD, True)
-        steps = []
-        for number in range(team.once(lambda: len(chain))):
-            step = None
-            if team.rank == 0:
-                step, chain[number] = chain[number], None
-                step = step if kept is None else step[kept]
-                row = np.repeat(np.arange(step.shape[0], dtype=np.int32), np.diff(step.indptr))
-                first = np.full(step.shape[1], -1, dtype=np.int32)
-                first[step.indices[::-1]] = row[::-1]
-                del row
-                kept = np.flatnonzero(first >= 0)  # the others are forbidden by supports
-                owner = owner[first[kept]]
-                renamed = np.cumsum(first >= 0) - 1
-                given = (step.data, renamed[step.indices], step.indptr)
-                step = sp.csr_matrix(given, shape=(step.shape[0], len(kept)))
-                del given
-            there = Numbering(team, owner)
-            steps.append(_rows(step, here, there))
-            here = there
+        steps, chain, kept = [], iter(()) if team.rank else iter(descent), None
+        while True:
+            factors = team.together(partial(next, chain, None)) if team.rank == 0 else team.together(_nothing)
+            if not team.communicator.bcast(factors is not None):
+                break
+            step, here, kept = _interpolation(factors, here, kept)
+            del factors
+            steps.append(step)
         pc = PETSc.PC().create(team.communicator)
+        prefix = f"kshell_{self.key}_"
+        pc.setOptionsPrefix(prefix)  # before there are levels, which take it then
         pc.setOperators(mat)
         pc.setType("mg")
         pc.setMGLevels(len(steps) + 1)
         pc.setMGCycleType(PETSc.PC.MGCycleType.W)
         for k, step in enumerate(steps):
             pc.setMGInterpolation(len(steps) - k, step)
-        prefix = f"kshell_{self.key}_"
         options = PETSc.Options()
         words = {
             "pc_mg_galerkin": "both",
-            "mg_levels_ksp_type": "richardson",
-            "mg_levels_ksp_max_it": 1,
+            "mg_levels_ksp_type": "chebyshev",
+            "mg_levels_ksp_max_it": 3,
             "mg_levels_pc_type": "sor",
             "mg_levels_pc_sor_local_symmetric": None,
             "mg_coarse_ksp_type": "preonly",
-            "mg_coarse_pc_type": "cholesky",
-            "mg_coarse_pc_factor_mat_solver_type": "mumps",
+            "mg_coarse_pc_type": "redundant",
         }
         for key, value in words.items():
             options[prefix + key] = value
-        if (
-            team.size > 1
-        ):  # coarse matrices row by row: they take two fifths of the room, and a sixth more time
+        if team.size > 1:  # coarse matrices row by row take two fifths of the room, and a sixth more time
             options["matptap_via"] = "allatonce"
-        pc.setOptionsPrefix(prefix)
         pc.setFromOptions()
         pc.setUp()
         for key in words:
@@ -136,14 +128,12 @@ class PetscMultigrid(Multigrid):
     def __init__(self, matrix: Scattered, space: PlateSpace, why: str) -> None:
         begin = time.perf_counter()
         self.matrix, self.element, self.space = matrix, space.element, space
-        blocks, _, notes, _ = prolongations(space)
-        chain: list[Any] = []
-        while blocks:
-            chain.append(sp.csr_matrix(entries(blocks.pop(0))))
-        team = matrix.team
-        self._levels: Levels = team.calls.run(Levels, team, matrix.terms, matrix.known, chain)
+        team, descent = matrix.team, Descent(space)
+        give_back()
+        self._levels: Levels = team.calls.run(Levels, team, matrix.terms, matrix.known, descent)
+        give_back()
         self.name, self.why = f"{NAME.partition(' ')[0]} (multigrid)", why
-        self.warnings = tuple(notes)
+        self.warnings = tuple(descent.notes)
         self.setup_seconds = time.perf_counter() - begin
         self._factorisation: Any = None
         self._unused = True
@@ -173,20 +163,68 @@ class PetscMultigrid(Multigrid):
         return replace(rescued, seconds=seconds, warnings=(*self.warnings, warning))
 
 
-def _rows(step: sp.csr_matrix, fine: Numbering, coarse: Numbering) -> Any:
-    """What this process has of an interpolation, in PETSc; the first one knows it."""
+def _nothing() -> None:
+    return None
+
+
+def _interpolation(factors: Any, fine: Numbering, kept: Ints | None) -> tuple[Any, Numbering, Ints]:
+    """What this process has of an interpolation, in PETSc, and the numbers of the coarser level.
+
+    Unknowns that supports forbid have zero columns, and are left out.
+
+    Parameters
+    ----------
+    factors : tuple of BSR matrices
+        Their product; of the first process alone.
+    fine : Numbering
+    kept : (n,) int array or None
+        Rows that are not left out, all if None; of the first process alone.
+
+    Returns
+    -------
+    matrix : petsc4py.PETSc.Mat
+    coarse : Numbering
+    kept : (n,) int array
+        Columns that are not left out; none on other processes.
+    """
     from petsc4py import PETSc
 
-    def part(rank: int) -> sp.csr_matrix:
-        own = step[fine.own.of_all[rank]].tocsr()
-        own = sp.csr_matrix((own.data, coarse.place[own.indices], own.indptr), shape=own.shape)
-        own.sort_indices()
-        return own
+    team = fine.team
+    whole = None if team.rank or factors[0].blocksize[0] == 1 else entries(factors[0]).tocsr()
+    count = 0 if team.rank else factors[-1].shape[1]
+    columns: dict[int, Ints] = {}
+    owner, most = np.zeros(count // 3, dtype=np.int32), np.zeros(count // 3, dtype=np.int64)
 
-    own = fine.team.deal(part)
+    def part(rank: int) -> sp.csr_matrix:
+        rows = fine.own.of_all[rank] if kept is None else kept[fine.own.of_all[rank]]
+        if whole is not None:
+            own = whole[rows]
+        else:
+            own = entries(reduce(matmul, factors[1:], take_rows(factors[0], rows, sp)))
+        own.eliminate_zeros()
+        # the three unknowns of a vertex are of the process that has most of what hangs on them
+        here = np.bincount(own.indices // 3, minlength=count // 3)
+        owner[here > most] = rank
+        np.maximum(most, here, out=most)
+        columns[rank], place = np.unique(own.indices, return_inverse=True)
+        return sp.csr_matrix(
+            (own.data, place.astype(np.int32), own.indptr), shape=(len(rows), len(columns[rank]))
+        )
+
+    own = team.deal(part)
+    used = np.zeros(count, dtype=bool)
+    for found in columns.values():
+        used[found] = True
+    kept = np.flatnonzero(used)
+    coarse = Numbering(team, owner[kept // 3])
+    renamed = np.full(count, -1, dtype=np.int32)
+    renamed[kept] = coarse.place
+    place: Ints = team.deal(lambda rank: renamed[columns[rank]])
+    own = sp.csr_matrix((own.data, place[own.indices], own.indptr), shape=(own.shape[0], coarse.size))
+    own.sort_indices()
     size = ((fine.mine, fine.size), (coarse.mine, coarse.size))
     kind = PETSc.IntType
     csr = (own.indptr.astype(kind), own.indices.astype(kind), np.ascontiguousarray(own.data))
-    matrix = PETSc.Mat().createAIJ(size, csr=csr, comm=fine.team.communicator)
+    matrix = PETSc.Mat().createAIJ(size, csr=csr, comm=team.communicator)
     matrix.assemble()
-    return matrix
+    return matrix, coarse, kept

@@ -89,15 +89,18 @@ class Basis(Shared):
     def __init__(self, team: Team, reduction: Reduction, share: Share) -> None:
         super().__init__(team)
         rows = sp.csr_matrix(reduction.basis) if team.rank == 0 else None
+        every = rows is not None and _is_identity(rows)
 
         def columns_of(rank: int) -> Ints:
             assert rows is not None
-            return np.unique(rows[share.of_all[rank]].indices)
+            return share.of_all[rank] if every else np.unique(rows[share.of_all[rank]].indices)
 
         columns = [] if team.rank else [columns_of(rank) for rank in range(team.size)]
 
         def part(rank: int) -> sp.csc_matrix:
             assert rows is not None
+            if every:
+                return sp.identity(len(columns[rank]), format="csc")
             return sp.csc_matrix(rows[share.of_all[rank]][:, columns[rank]])
 
         self.local = Reduction(team.deal(part), np.zeros(0), np.zeros(0, dtype=np.int64))
@@ -107,6 +110,12 @@ class Basis(Shared):
     def reduced(self, terms: Terms) -> Terms:
         """T^T K T."""
         return Terms(self.team, self.free, self.team.together(lambda: self.local.reduce(terms.local)))
+
+
+def _is_identity(matrix: sp.csr_matrix) -> bool:
+    n = matrix.shape[0]
+    found = matrix.shape == (n, n) and matrix.nnz == n and bool((matrix.indices == np.arange(n)).all())
+    return found and bool((np.diff(matrix.indptr) == 1).all() and (matrix.data == 1.0).all())
 
 
 def reduced(matrix: Scattered, reduction: Reduction) -> Scattered:

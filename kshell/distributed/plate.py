@@ -34,6 +34,7 @@ from kshell.plate.planes import take_planes_off
 from kshell.plate.problem import PlateProblem
 from kshell.scene.structure import Structure
 from kshell.solvers.auto import MANY_THIN, MULTIGRID_FROM, thin_share
+from kshell.solvers.memory import give_back
 from kshell.solvers.system import Prepared
 
 Floats = NDArray[np.float64]
@@ -241,7 +242,9 @@ class PartedPlateModel(PlateModel):
         return  # one load after the other
 
     def solve(self, solver: str = "auto") -> Solved:
-        return super().solve("auto" if solver == "petsc" else solver)
+        found = super().solve("auto" if solver == "petsc" else solver)
+        give_back()  # before values and errors are found
+        return found
 
 
 def _processes(team: Team) -> str:

@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.reference import monomials
+from kshell.mesh.distinct import renumbered
 from kshell.mesh.vectors import cross
 from kshell.shell.reference import EDGES
 
@@ -73,7 +74,7 @@ class CornerFits:
     def __init__(
         self, corners: Ints, edges: Ints, pieces: Ints, degree: int, position: Floats, axes: Floats
     ) -> None:
-        corner, edge = _by_piece(corners, pieces), _by_piece(edges, pieces)
+        corner, edge = by_piece(corners, pieces), by_piece(edges, pieces)
         on_boundary = (np.bincount(edge.ravel()) == 1)[edge]
         alone = np.flatnonzero(on_boundary.sum(axis=1) > 1)
         vertices, place, fit_of = np.unique(corner[alone].ravel(), return_index=True, return_inverse=True)
@@ -148,8 +149,10 @@ def _in_plane(step: Floats, frame: Floats) -> Floats:
     return np.asarray((frame[..., :2, :] @ step[..., None])[..., 0])
 
 
-def _by_piece(number: Ints, pieces: Ints) -> Ints:
+def by_piece(number: Ints, pieces: Ints) -> Ints:
     """Numbers (triangle, 3) of corners or edges that differ from piece to piece."""
+    if not pieces.any():
+        return renumbered(number)
     key = pieces[:, None] * (int(number.max()) + 1) + number.astype(np.int64)
     return np.unique(key.ravel(), return_inverse=True)[1].reshape(key.shape).astype(np.int64)
 

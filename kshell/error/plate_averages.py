@@ -26,7 +26,7 @@ from kshell.equilibrium.model import Solved
 from kshell.error.assessment import ENERGY, RESTING, Assessment, Interval, energy_interval
 from kshell.error.between import Between
 from kshell.error.chords import share_of_chords
-from kshell.error.corner_fits import SINGLE, CornerFits
+from kshell.error.corner_fits import SINGLE, CornerFits, by_piece
 from kshell.error.corner_share import of_averages
 from kshell.error.curve_doubt import turns
 from kshell.error.estimate import Estimate
@@ -34,7 +34,7 @@ from kshell.error.foundations import hidden_by_foundations
 from kshell.error.geometry_share import PAIRS
 from kshell.error.marking import doerfler
 from kshell.error.plates import deflection_rows, geometry_share, goal_marks
-from kshell.plate.domain import Domain
+from kshell.plate.domain import BLOCK, Domain
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.hhj.numbering import Held
 from kshell.plate.hhj.state import HHJSolution
@@ -134,9 +134,13 @@ class _Averages:
         self.nodes = _nodes(degree)
         middle = mesh.points[mesh.triangles, :2].mean(axis=1)[:, None]
         stiffness = problem.bending.at(np.arange(len(middle)), middle)[:, 0]
-        self._compliance: Floats = np.linalg.inv(stiffness).astype(np.float64)
         hidden = hidden_by_foundations(problem.structure, order, np.eye(3)[2:], stiffness)
         self._factor: Floats = hidden * of_averages(problem)
+        if (stiffness == stiffness[0]).all():
+            stiffness = np.broadcast_to(stiffness[0], stiffness.shape)  # one number of each is kept
+            self._compliance: Floats = np.broadcast_to(np.linalg.inv(stiffness[0]), stiffness.shape)
+        else:
+            self._compliance = np.linalg.inv(stiffness).astype(np.float64)
         along = np.arange(degree - 1)
         inside = len(self.nodes) - 3 * degree  # each triangle's own
         parts = [
@@ -149,13 +153,12 @@ class _Averages:
         ]
         number = np.concatenate(parts, axis=1)
         kinds = _kinds(problem, stiffness)
-        key = kinds[:, None] * (int(number.max()) + 1) + number
-        _, number = np.unique(key.ravel(), return_inverse=True)
-        self._number: Ints = number.reshape(key.shape)
+        self._number: Ints = by_piece(number, kinds)
         position = np.zeros((len(corners), len(self.nodes), 3))
-        x = mesh.points[corners, :2]
-        sides = np.stack([x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]], axis=1)
-        position[..., :2] = x[:, :1] + self.nodes @ sides
+        for start in range(0, len(corners), BLOCK):
+            x = mesh.points[corners[start : start + BLOCK], :2]
+            sides = np.stack([x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]], axis=1)
+            position[start : start + BLOCK, :, :2] = x[:, :1] + self.nodes @ sides
         axes = np.broadcast_to(np.eye(3), (*position.shape, 3))
         self._fits = CornerFits(corners, edges, kinds, degree, position, axes)
         self.constant = order == 1
@@ -189,15 +192,17 @@ class _Averages:
         """(T,) eta_T^2 of moments (T, node, 3)."""
         place = self._number.ravel()
         mean = np.stack(
-            [np.bincount(place, self._weight * column) / self._total for column in moments.reshape(-1, 3).T],
+            [np.bincount(place, self._weight * moments[..., k].ravel()) / self._total for k in range(3)],
             axis=1,
         )
         average = mean[self._number]
         average[self._fits.triangles, self._fits.nodes] = self._fits.values(moments)
-        off = moments - average
-        own = np.asarray(
-            self._area * self._factor * ((self._mass @ off) * (off @ self._compliance)).sum(axis=(1, 2))
-        )
+        own = np.empty(len(moments))
+        for start in range(0, len(own), BLOCK):
+            some = slice(start, start + BLOCK)
+            off = moments[some] - average[some]
+            own[some] = ((self._mass @ off) * (off @ self._compliance[some])).sum(axis=(1, 2))
+        own *= self._area * self._factor
         own[self._untold] = own.max()  # these first
         return own
 
@@ -214,7 +219,7 @@ def _nodes(degree: int) -> Floats:
 
 def _kinds(problem: PlateProblem, stiffness: Floats) -> Ints:
     """(T,) a number for each stiffness; one for all where it varies inside triangles."""
-    if not problem.section.constant_per_triangle:
+    if not problem.section.constant_per_triangle or stiffness.strides[0] == 0:
         return np.zeros(len(stiffness), dtype=np.int64)
     whole = stiffness.reshape(len(stiffness), -1) / np.abs(stiffness).max()
     return np.asarray(
@@ -224,7 +229,8 @@ def _kinds(problem: PlateProblem, stiffness: Floats) -> Ints:
 
 def _constant_moments(fields: Fields) -> Floats:
     """(T, 3, 3) moments of a Morley deflection at the corners of triangles, where they are the same."""
-    return np.repeat(fields.centroid_moments[:, None], 3, axis=1)
+    found = fields.centroid_moments
+    return np.broadcast_to(found[:, None], (len(found), 3, 3))
 
 
 def _moments(solution: HHJSolution, nodes: Floats) -> Floats:

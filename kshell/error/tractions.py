@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from kshell.elements.quadrature import interval_rule
 from kshell.elements.reference import VERTICES, DualBasis
 from kshell.mesh.refine import AROUND
-from kshell.plate.domain import EdgePatch
+from kshell.plate.domain import BLOCK, EdgePatch
 from kshell.plate.loads import Loads
 from kshell.plate.problem import PlateProblem
 from kshell.plate.recovery import shear_rows
@@ -129,9 +129,11 @@ class Tractions(ABC):
         self.along_side = _differentiation(s)
         self.points = rows.points
         self.basis = problem.element.basis
-        local = d[problem.layout.triangle_dofs(self.every)]  # (T, 21, k)
-        m = problem.element.transformation(self.affine)
-        self.reference: Floats = np.ascontiguousarray(np.swapaxes(m @ local, 1, 2))  # (T, k, 21)
+        self.reference: Floats = np.empty((len(self.every), d.shape[1], problem.element.count))  # (T, k, 21)
+        for start in range(0, len(self.every), BLOCK):  # maps of all triangles take 3.5 kB of each
+            some = self.every[start : start + BLOCK]
+            m = problem.element.transformation(problem.domain.affine(some))
+            self.reference[some] = np.swapaxes(m @ d[problem.layout.triangle_dofs(some)], 1, 2)
 
     def of(self, number: int) -> Self:
         """Those of one of the deflections."""

@@ -216,8 +216,10 @@ class Fields:
         basis = np.concatenate([np.ones((len(vertex), 1)), offset / h[vertex, None]], axis=1)
         gram = np.zeros((n, 3, 3))
         right = np.zeros((n, 3, 3))
-        np.add.at(gram, vertex, basis[:, :, None] * basis[:, None, :])
-        np.add.at(right, vertex, basis[:, :, None] * self.centroid_moments[triangle][:, None, :])
+        moments = self.centroid_moments
+        for i, j in np.ndindex(3, 3):  # one column of the products at a time: all take 80 B of each pair
+            gram[:, i, j] = np.bincount(vertex, basis[:, i] * basis[:, j], n)
+            right[:, i, j] = np.bincount(vertex, basis[:, i] * moments[triangle, j], n)
         gram += 1e-10 * np.trace(gram, axis1=1, axis2=2)[:, None, None] * np.eye(3)
         unused = gram[:, 0, 0] == 0
         gram[unused] = np.eye(3)

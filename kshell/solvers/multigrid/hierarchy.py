@@ -10,7 +10,10 @@ thirds of the memory. But the rounded matrices are indefinite once their smalles
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import reduce
+from operator import matmul
 from typing import Any
 
 import numpy as np
@@ -18,6 +21,7 @@ import numpy as np
 from kshell.errors import SolveError
 from kshell.solvers.backends import SUPERLU, Singular
 from kshell.solvers.checks import free_motion_error, softest_vector
+from kshell.solvers.memory import give_back
 from kshell.solvers.multigrid.cloud import Cloud
 from kshell.solvers.multigrid.coarsen import coarsen
 from kshell.solvers.multigrid.cycle import Coarsest
@@ -57,42 +61,76 @@ class Hierarchy:
     notes: tuple[str, ...]
 
 
+class Descent:
+    """The interpolations from the finest to the coarsest level, one after the other, without any matrix of the problem.
+
+    Parameters
+    ----------
+    space : PlateSpace
+
+    Attributes
+    ----------
+    vertices : list of int
+        Of each vertex level that has been reached.
+    notes : list of str
+    cloud : Cloud
+        The coarsest of them.
+    """
+
+    def __init__(self, space: PlateSpace) -> None:
+        self.space, self.cloud = space, Cloud.of_space(space)
+        self.vertices, self.notes = [len(self.cloud.points)], list[str]()
+
+    def __iter__(self) -> Iterator[tuple[Any, ...]]:
+        """The factors of each, BSR matrices of which nothing is kept here.
+
+        Those of the first level, (unknowns, 3 vertices), have 1 x 3 blocks, all others 3 x 3 blocks, for (w, w_x, w_y)
+        of active vertices; columns that the supports forbid are zero.
+        """
+        first = self.space.element != "argyris"
+        if not first:
+            yield (element_interpolation(self.space, self.cloud),)
+        keep_corners = True
+        while 3 * int(self.cloud.active.sum()) > COARSEST:
+            fine = self.cloud
+            coarsening = coarsen(fine, keep_corners)
+            if len(coarsening.chosen) > STALL * len(fine.points) and keep_corners:
+                keep_corners = False
+                coarsening = coarsen(fine, keep_corners)
+            if len(coarsening.chosen) > STALL * len(fine.points) or not coarsening.cloud.active.any():
+                self.notes.append(
+                    f"coarsening stalls at {len(fine.points)} vertices, {len(coarsening.chosen)} of which could "
+                    "not be merged: too many single supported points, or corners of supports"
+                )
+                break
+            factors: tuple[Any, ...] = (interpolation(fine, coarsening),)
+            self.cloud = coarsening.cloud
+            self.vertices.append(len(self.cloud.points))
+            del coarsening
+            if first:  # Morley goes from the element to the first coarse level at once
+                give_back()
+                factors = (element_interpolation(self.space, fine), *factors)
+            first = False
+            del fine
+            yield factors
+            give_back()
+        if first:
+            yield (element_interpolation(self.space, self.cloud),)
+
+
 def prolongations(space: PlateSpace) -> tuple[list[Any], list[int], list[str], Cloud]:
-    """Interpolation matrices from the finest to the coarsest level, without any matrix of the problem.
+    """All interpolations of `Descent` at once, as one matrix each.
 
     Returns
     -------
     matrices : list of BSR matrices
-        The first (unknowns, 3 vertices) of 1 x 3 blocks, the others (3 vertices, 3 vertices) of 3 x 3 blocks, for
-        (w, w_x, w_y) of active vertices; columns that the supports forbid are zero.
     vertices : list of int
-        Of each vertex level.
     notes : list of str
     cloud : Cloud
-        The coarsest level.
     """
-    cloud = Cloud.of_space(space)
-    vertices, notes = [len(cloud.points)], []
-    pending = element_interpolation(space, cloud)
-    matrices: list[Any] = [pending] if space.element == "argyris" else []
-    keep_corners = True
-    while 3 * int(cloud.active.sum()) > COARSEST:
-        coarsening = coarsen(cloud, keep_corners)
-        if len(coarsening.chosen) > STALL * len(cloud.points) and keep_corners:
-            keep_corners = False
-            coarsening = coarsen(cloud, keep_corners)
-        if len(coarsening.chosen) > STALL * len(cloud.points) or not coarsening.cloud.active.any():
-            notes.append(
-                f"coarsening stalls at {len(cloud.points)} vertices, {len(coarsening.chosen)} of which could "
-                "not be merged: too many single supported points, or corners of supports"
-            )
-            break
-        step = interpolation(cloud, coarsening)
-        # Morley goes from the element to the first coarse level at once
-        matrices.append(step if matrices else pending @ step)
-        cloud = coarsening.cloud
-        vertices.append(len(cloud.points))
-    return matrices or [pending], vertices, notes, cloud
+    descent = Descent(space)
+    matrices = [reduce(matmul, factors) for factors in descent]
+    return matrices, descent.vertices, descent.notes, descent.cloud
 
 
 def build(matrix: Any, space: PlateSpace) -> Hierarchy:

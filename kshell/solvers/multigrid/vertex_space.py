@@ -67,7 +67,7 @@ def _left_inverse(reduction: Any, weight: Floats, full: Any, sp: Any) -> Any:
     """Q times the interpolation of all degrees of freedom."""
     rows = picked(reduction.tocsc())
     if rows is not None:  # each unknown is one of them, scaled
-        result = _take_rows(full, rows, sp)
+        result = take_rows(full, rows, sp)
         _scale_rows(result, 1.0 / reduction.tocsc().data)
         return result
     weighted = (sp.diags(weight) @ reduction).T.tocsr()
@@ -139,11 +139,11 @@ def _argyris(space: PlateSpace, sp: Any) -> Any:
     twist = (length / 8.0)[:, None] * np.stack([nx * tx, nx * ty + ny * tx, ny * ty], axis=1)
     ends = _edge_fans(space)
     edges = _mean_normal_derivative(space, sp) + _edge_rows(ends, twist, -twist, fans, sp) @ hessian
-    full = _stack(_take_rows(both, order, sp), edges, sp)
+    full = _stack(take_rows(both, order, sp), edges, sp)
     if fans > n:
-        full = _stack(full, _take_rows(by_row, np.arange(3 * n, 3 * fans), sp), sp)
+        full = _stack(full, take_rows(by_row, np.arange(3 * n, 3 * fans), sp), sp)
     if space.second_slopes is not None:
-        full = _stack(full, _take_rows(edges, np.asarray(space.second_slopes), sp), sp)
+        full = _stack(full, take_rows(edges, np.asarray(space.second_slopes), sp), sp)
     return full
 
 
@@ -207,7 +207,7 @@ def _stack(above: Any, below: Any, sp: Any) -> Any:
     return sp.bsr_matrix((data, indices, pointer), shape=(above.shape[0] + below.shape[0], above.shape[1]))
 
 
-def _take_rows(matrix: Any, order: Any, sp: Any) -> Any:
+def take_rows(matrix: Any, order: Any, sp: Any) -> Any:
     """Rows of a BSR matrix of 1 x 3 blocks in another order."""
     count = np.diff(matrix.indptr)[order]
     pointer = np.concatenate([[0], np.cumsum(count)])
