@@ -39,18 +39,28 @@ MOST_MORLEY = 10  # halvings toward a corner: the matrix of smaller triangles ha
 
 
 def plate_start(
-    model: PlateModel | HHJModel, mesh: Mesh, names: Sequence[str], run: Run, refiner: Refiner
+    model: PlateModel | HHJModel,
+    mesh: Mesh,
+    names: Sequence[str],
+    run: Run,
+    refiner: Refiner,
+    most: int = MOST_HALVINGS,
 ) -> tuple[Mesh, bool]:
     """The first mesh of a plate, and whether guaranteed bounds can be had on it.
 
     Those are of Argyris elements on straight edges. A mesh with curved edges is graded toward corners alone.
+
+    Parameters
+    ----------
+    most : int
+        Halvings toward a corner.
     """
     problem = model.problem
     tolerance = float(run.options.tolerance)
     if has_curved_edges(model):
         domain = Domain(problem.mesh, True, problem.domain.bent)
         for vertex, exponent in corner_exponents(problem, domain).items():
-            for _ in range(halvings(exponent, tolerance)):
+            for _ in range(min(halvings(exponent, tolerance), most)):
                 around = (mesh.triangles == vertex).any(axis=1)
                 if not cuttable(mesh)[around].all():
                     break
@@ -70,7 +80,7 @@ def plate_start(
     pair = pair and not any(number < len(probes) for number in left)
     exponents = corner_exponents(problem)
     corners = problem.mesh.points[np.array(list(exponents), dtype=np.int64)]
-    most = MOST_MORLEY if model.element == "morley" else MOST_HALVINGS
+    most = min(most, MOST_MORLEY) if model.element == "morley" else most
     for place, exponent in zip(corners, exponents.values(), strict=True):
         times = min(halvings(exponent, tolerance), most)
         mesh = bisect_around(mesh, np.array([vertex_at(mesh, place)]), times)

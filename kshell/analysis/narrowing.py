@@ -23,6 +23,7 @@ from kshell.equilibrium.model import Model
 from kshell.errors import InputError, SolveError
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.refine import cuttable, longest_first
+from kshell.mesh.words import place
 from kshell.solvers.pencil import Spectrum
 
 Floats = NDArray[np.float64]
@@ -40,6 +41,8 @@ CORNER, DEEPER, FEW = 0.2, 4, 100
 LOOKED_BACK = 3
 # levels that must narrow the intervals to this share, or nothing is gained any more
 STALLED, GAIN = 3, 0.8
+# share of the width that comes from the mesh, below which rounding is the rest
+OF_MESH = 0.1
 # share of its last step that a value may still move per step, for an estimate from the last two steps
 SLOWEST = 0.9
 
@@ -121,7 +124,7 @@ def narrowed(
             best = known, stage
         if widths[-1] <= tolerance:
             break
-        why = _why_stop(first.run, widths, time.perf_counter() - begin)
+        why = _why_stop(first.run, widths, time.perf_counter() - begin) or _stalled(widths, stage, known)
         why = why or shape.limits(tolerance, narrow)
         mesh = None if why else _next_mesh(stage, known, refiner, widths[-1] / tolerance)
         if refiner.lost and not len(shape.frozen[shape.frozen > 0.0]):
@@ -166,9 +169,25 @@ def _why_stop(run: Run, widths: list[float], seconds: float) -> str:
     """Why no finer mesh is worth while, in words; empty to go on."""
     if seconds > run.options.time_limit:
         return f"the limit of {run.options.limit} is reached"
-    if len(widths) > STALLED and min(widths[-STALLED:]) > GAIN * min(widths[:-STALLED]):
-        return "further meshes gain nothing: rounding sets the limit"
     return ""
+
+
+def _stalled(widths: list[float], stage: Stage, known: Known) -> str:
+    """Why finer meshes gain nothing, in words; empty where they do."""
+    if len(widths) <= STALLED or min(widths[-STALLED:]) <= GAIN * min(widths[:-STALLED]):
+        return ""
+    nothing = "further meshes gain nothing: "
+    if not np.isfinite(widths[-1]):
+        return f"{nothing}there are no intervals"
+    if known.misfit is None:
+        return f"{nothing}the values still move by as much"
+    if np.ptp(known.misfit) == 0.0:
+        return f"{nothing}sharp bounds need a gap above the values, which finer meshes have not shown"
+    if float(known.misfit.sum()) < OF_MESH * widths[-1]:
+        return f"{nothing}rounding sets the limit"
+    mesh = stage.run.structure.space
+    worst = mesh.triangles[int(np.argmax(known.misfit))]
+    return f"{nothing}what is left is largest near {place(mesh.points[worst].mean(axis=0))}"
 
 
 def _too_many(stage: Stage, mesh: Mesh) -> bool:

@@ -61,6 +61,7 @@ STALLED = 0.8  # a level that leaves more of the half width than this, with half
 LITTLE = (
     2.0  # times what the shape of the first mesh leaves, is a half width that finer ones narrow by little
 )
+GRADED = (20, 10, 0)  # halvings of the first mesh toward corners, where it cannot be solved with more
 GAINLESS = 3  # such levels in a row, after which refining ends
 GAINLESS_JUMPS = 6  # the same where loads jump: what rules miss of them is a matter of luck
 BYTES, BYTES_MORLEY = 30e3, 4e3  # memory of a solve and its estimate for each unknown, about
@@ -100,13 +101,13 @@ def analyse(model: Model, run: Run) -> Result:
     elif quartics:
         held["order"] = 4
     run = run.with_options(**held, large_deflection=large)
-    mesh = longest_first(model.structure.parameters)
+    given = mesh = longest_first(model.structure.parameters)
     loop = Refinement(
         run, names, False, begin, Refiner(run.scene, model, run.allow_system), quartics=quartics, why=why
     )
     followed = loop.refiner.followed
     if isinstance(model, PlateModel | HHJModel):
-        mesh, loop.pair = plate_start(model, mesh, names, run, loop.refiner)
+        mesh, loop.pair = plate_start(model, given, names, run, loop.refiner)
     elif isinstance(model, KoiterModel):
         assert first is not None
         mesh = shell_start(run, mesh, _membrane(model, first))
@@ -116,6 +117,15 @@ def analyse(model: Model, run: Run) -> Result:
         loop.frozen = assess(first.model, first.state, first.result, 0).geometry or 0.0
         if isinstance(model, KoiterModel) and isinstance(first.state, Solved):
             loop.cut = share_when_cut(model, model.problem.energy.linear_strain(first.state.x))
+    # toward corners triangles may be so small that the matrix has no digits left, as if the plate were loose
+    for most in GRADED:
+        try:
+            _refine(loop, mesh)
+            return refined_result(loop, first)
+        except SolveError:
+            if not isinstance(model, PlateModel | HHJModel):
+                raise
+            mesh, loop.pair = plate_start(model, given, names, run, loop.refiner, most)
     _refine(loop, mesh)
     return refined_result(loop, first)
 

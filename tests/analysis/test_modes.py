@@ -1,12 +1,16 @@
 """Natural frequencies of scenes: known values, intervals around them, rigid motions, prestress, and what is refused."""
 
 import dataclasses
+import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.analysis.interval import Known
 from kshell.analysis.models import model_of
+from kshell.analysis.narrowing import Stage, _stalled
 from kshell.analysis.run import Run
 from kshell.plate.vibration import energies, energy_rounding
 from kshell.solvers.eigen import smallest
@@ -395,3 +399,24 @@ def test_ten_intervals_of_an_l_shape_to_1e_4(kind):
     for a, b in zip(wide.eigen, narrow.eigen, strict=True):
         assert a["lower"] <= b["upper"]
         assert b["lower"] <= a["upper"]
+
+
+@pytest.mark.parametrize(
+    ("misfit", "widths", "words"),
+    [
+        ([1e-3, 9e-3], [1e-2] * 4, r"largest near \(0\.6"),
+        ([1e-9, 9e-9], [1e-2] * 4, "rounding sets the limit"),
+        ([1.0, 1.0], [1e-2] * 4, "a gap above"),
+        (None, [1e-2] * 4, "still move"),
+        ([1e-3, 9e-3], [1e-2, 1e-2, 1e-2, np.inf], "no intervals"),
+        ([1e-3, 9e-3], [8e-2, 4e-2, 2e-2, 1e-2], "^$"),
+        ([1e-3, 9e-3], [1e-2] * 3, "^$"),
+    ],
+)
+def test_why_finer_meshes_gain_nothing_is_what_holds(misfit, widths, words):
+    """Rounding where little of the width comes from the mesh; else where most of it comes from."""
+    mesh = ks.Mesh.from_arrays(np.array([[0, 0], [1, 0], [1, 1.0], [0, 1]]), np.array([[0, 2, 3], [0, 1, 2]]))
+    structure = SimpleNamespace(space=mesh)
+    stage = Stage(SimpleNamespace(structure=structure), None, None, None)
+    known = Known([], misfit=None if misfit is None else np.array(misfit))
+    assert re.search(words, _stalled(widths, stage, known))

@@ -123,6 +123,30 @@ def test_corners_far_from_the_origin_are_resolved_as_far_as_coordinates_can(shif
     assert result.balance < 1e-5
 
 
+@pytest.mark.filterwarnings("ignore::kshell.KshellWarning")
+@pytest.mark.parametrize("element", ["argyris", "hhj"])
+def test_a_tolerance_refuses_no_plate_that_is_solved_without_one(element: str) -> None:
+    """Halved as often as the corner between turned edges asks for, the triangles there have no digits left."""
+    mesh = l_shape(2)
+    edges = mesh.edges[mesh.boundary_edges]
+    middle = mesh.points[edges].mean(axis=1)
+    on_cut = (np.abs(middle[:, :2] - 0.5).min(axis=1) < 1e-9) & (middle[:, :2].max(axis=1) > 0.5)
+    inner = on_cut & (middle[:, :2].min(axis=1) > 0.5 - 1e-9)
+    groups = {"left": edges[middle[:, 0] < 1e-9], "inner": edges[inner]}
+    cut = ks.Mesh.from_arrays(mesh.points, mesh.triangles, groups)
+    supports = [ks.Clamped("left"), ks.Fixed("inner", "r")]
+    material = ks.Isotropic(E=12e6, nu=0.3)
+    scene = ks.Scene(cut, thickness=0.01, material=material, supports=supports, loads=[ks.Pressure(1.0)])
+    bounds = []
+    for tolerance in (1e-2, 1e-5):
+        result = ks.solve(
+            scene, model="plate", element=element, large_deflection=False, tolerance=tolerance, limit="20 s"
+        )
+        bounds.append([result.error["energy"][name] for name in ("lower", "upper")])
+    assert max(lower for lower, _ in bounds) <= min(upper for _, upper in bounds)
+    assert bounds[1][1] - bounds[1][0] < bounds[0][1] - bounds[0][0]
+
+
 @pytest.mark.parametrize("tolerance", [1e-2, "0.1%", 1e-6])
 def test_a_deflection_lies_in_its_guaranteed_interval(tolerance: float | str) -> None:
     result = ks.solve(plate(square(2), ks.SimplySupported("edge"), centre=(0.5, 0.5, 0)), tolerance=tolerance)
