@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 
 # unknowns of the Morley element up to which the mesh is halved for lower bounds
 FINE_ENOUGH = 20_000
+# times the difference of both elements: where Morley values lie above, too (springs), the truth is beyond the other one
+BOTH_ABOVE = 1.25
 # order of the HHJ element: moments of degree 5, as the Argyris functions
 HHJ_ORDER = 6
 
@@ -113,7 +115,7 @@ def _rough(stage: Stage, lacking: list[str]) -> Known:
     if lacking or first != 0 or len(other) < len(values):
         why = "; ".join(lacking) or "they do not begin with the first mode"
         words = f"intervals of frequencies: estimated from Morley and Argyris elements, not proven: {why}"
-        return Known(apart(values, other), [words])
+        return Known(apart(values, other, BOTH_ABOVE), [words])
     lower = _morley_bounds(coarse)[: len(below)]
     upper = above.found.values * (1.0 + frequencies.rounding(above.pencil, above.found))
     pairs = zip(lower, upper[: len(values)], strict=False)

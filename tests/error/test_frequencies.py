@@ -13,7 +13,7 @@ from kshell.plate.problem import PlateProblem
 from kshell.scene.structure import resolve
 from kshell.solvers.eigen import smallest
 from kshell.solvers.pencil import Pencil
-from tests.plate.plates import rectangle
+from tests.plate.plates import ellipse, rectangle
 
 SQUARE = {
     "CCCC": np.array([35.98519112, 73.39384552, 73.39384552, 108.2165017, 131.5807726, 132.2047902]) ** 2,
@@ -67,3 +67,23 @@ def test_local_weights():
     assert interpolation_constant(mesh, bending, mass) == pytest.approx(8 * one)
     bending[3] *= 16.0
     assert interpolation_constant(mesh, bending, mass) == pytest.approx(one)
+
+
+@pytest.mark.parametrize("element", ["morley", "argyris"])
+@pytest.mark.parametrize("stiffness", [0.3, 30.0])
+@pytest.mark.parametrize("long", [1.1, 1.4])
+def test_frequencies_of_few_triangles_on_springs_lie_inside(long, stiffness, element):
+    """An ellipse of six: on springs Morley values lie above the true ones as those of Argyris elements do."""
+    material = ks.Isotropic(E=12 * (1 - 0.3**2), nu=0.3, density=1.0)
+    coarse, fine = (
+        ks.modes(
+            ks.Scene(
+                mesh=ellipse(rings, 2, long), thickness=1.0, material=material,
+                supports=[ks.Elastic("edge", stiffness, "z")],
+            ),
+            count=3, model="plate", element=kind,
+        )
+        for rings, kind in ((1, element), (4, "argyris"))
+    )  # fmt: skip
+    for found, true in zip(coarse.eigen, fine.eigen, strict=True):
+        assert found["lower"] <= true["value"] <= found["upper"]
