@@ -31,7 +31,7 @@ from kshell.solvers.memory import give_back
 from kshell.solvers.multigrid.galerkin import entries
 from kshell.solvers.multigrid.hierarchy import Descent
 from kshell.solvers.multigrid.pcg import Run, conjugate_gradients
-from kshell.solvers.multigrid.solver import ARGYRIS_TOLERANCE, TIGHTEST, Multigrid
+from kshell.solvers.multigrid.solver import STOP, Multigrid
 from kshell.solvers.multigrid.vertex_space import take_rows
 from kshell.solvers.system import Floats, PlateSpace, Product, Progress, Solution
 
@@ -148,7 +148,7 @@ class PetscMultigrid(Multigrid):
         if not rhs.any():
             return Run(np.zeros_like(rhs), (0.0,), True, 0.0)
         if tolerance is None:
-            tolerance = ARGYRIS_TOLERANCE if self.element == "argyris" else TIGHTEST
+            tolerance = STOP[self.element]
         run = conjugate_gradients(self.matrix, rhs, self.precondition, tolerance, None, progress)
         return run if product is None else self._refined(run, rhs, tolerance, product)
 

@@ -54,8 +54,8 @@ def solve_system(
     Parameters
     ----------
     tolerance : float, optional
-        Relative error in the energy norm. By default a direct solver goes to rounding, multigrid to a
-        tenth of the discretisation error (Morley) or to 1e-9 (Argyris).
+        Relative error in the energy norm. By default a direct solver goes to rounding, multigrid to 1e-8
+        (Morley) or 1e-9 (Argyris).
     progress : function, optional
         Called with the iteration and its estimated relative energy error.
     product : function, optional

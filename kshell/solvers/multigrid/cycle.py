@@ -48,25 +48,19 @@ def cycle(
     return here.after(rhs, x, left, here.interpolate(coarse), wanted)
 
 
-def nested_iteration(
-    levels: Sequence[Level], coarsest: Coarsest, rhs: Floats, visits: int = 2
-) -> tuple[Floats, list[float]]:
+def nested_iteration(levels: Sequence[Level], coarsest: Coarsest, rhs: Floats, visits: int = 2) -> Floats:
     """Solve level by level from the coarsest up, with one cycle each.
 
     Returns
     -------
     x : (n,) float array
         On the finest level, with an error near that of the discretisation.
-    energies : list of float
-        b.x on each level, the finest first: they grow towards that of the plate.
     """
     loads = [rhs]
     for level in levels:
         loads.append(level.restrict(loads[-1]))
     x = coarsest(loads[-1])
-    energies = [float(loads[-1] @ x)]
     for k in range(len(levels) - 1, -1, -1):
         x = levels[k].interpolate(x)
         x += cycle(levels[k:], coarsest, levels[k].residual(x, loads[k]), visits)[0]
-        energies.append(float(loads[k] @ x))
-    return x, energies[::-1]
+    return x
