@@ -9,6 +9,7 @@ from kshell.equilibrium.model import Solved
 from kshell.error.plates import AT_VERTEX, on_held_edges
 from kshell.plate.hhj.model import HHJModel
 from kshell.plate.hhj.recovery import HHJFields
+from kshell.plate.sharing import along_edges
 
 
 class Between:
@@ -37,4 +38,5 @@ class Between:
             held = np.zeros(len(problem.mesh.edges), dtype=bool)
             for group in problem.supports.held:
                 held[group.line] = True
-            self.apart = fields.apart(int(triangles[0]), held)
+            sides = along_edges(problem.domain, found).located.triangles
+            self.apart = max(fields.apart(triangle, held) for triangle in sides.tolist())

@@ -42,6 +42,7 @@ from kshell.plate.loads import Loads
 from kshell.plate.model import PlateModel
 from kshell.plate.problem import PlateProblem
 from kshell.plate.recovery import Fields
+from kshell.plate.sharing import along_edges
 from kshell.result.result import Result
 
 Floats = NDArray[np.float64]
@@ -178,15 +179,18 @@ class _Averages:
         return not self.why_not
 
     def bulge(self, problem: PlateProblem, name: str, moments: Floats) -> float:
-        """How far a probe lies from the plane through the vertices of its triangle, with constant moments (T, 3)."""
+        """How far a probe lies from the planes through the vertices of its triangles, with constant moments (T, 3)."""
         found = problem.locator.find(np.array(problem.structure.probes[name])[None, :2])
-        triangle, (x, y) = int(found.triangles[0]), found.xi[0, 0].tolist()
-        curvature = self._compliance[triangle] @ moments[triangle]
-        corner = problem.mesh.points[problem.mesh.triangles[triangle], :2]
-        part = np.array([1.0 - x - y, x, y])
-        along = np.array([corner[j] - corner[i] for i, j in PAIRS])
-        bent = np.stack([along[:, 0] ** 2, along[:, 1] ** 2, along.prod(axis=1)], axis=1) @ curvature
-        return float(abs(0.5 * sum(part[i] * part[j] * b for (i, j), b in zip(PAIRS, bent, strict=True))))
+        found, out = along_edges(problem.domain, found).located, 0.0
+        for triangle, (x, y) in zip(found.triangles.tolist(), found.xi[:, 0].tolist(), strict=True):
+            curvature = self._compliance[triangle] @ moments[triangle]
+            corner = problem.mesh.points[problem.mesh.triangles[triangle], :2]
+            part = np.array([1.0 - x - y, x, y])
+            along = np.array([corner[j] - corner[i] for i, j in PAIRS])
+            bent = np.stack([along[:, 0] ** 2, along[:, 1] ** 2, along.prod(axis=1)], axis=1) @ curvature
+            off = sum(part[i] * part[j] * b for (i, j), b in zip(PAIRS, bent, strict=True))
+            out = max(out, float(abs(0.5 * off)))
+        return out
 
     def local(self, moments: Floats) -> Floats:
         """(T,) eta_T^2 of moments (T, node, 3)."""

@@ -20,6 +20,7 @@ from kshell.plate.domain import Domain
 from kshell.plate.forms import VARIABLE_DEGREE
 from kshell.plate.model import PlateModel
 from kshell.plate.problem import PlateProblem
+from kshell.plate.sharing import along_edges
 from kshell.result.result import Result
 
 Floats = NDArray[np.float64]
@@ -87,7 +88,7 @@ def _dual_cases(model: PlateModel, names: Sequence[str]) -> list[Loaded]:
     reduction = problem.reduction.matrix()
     z = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))
     still = on_held_edges(problem, places)
-    inner = [[] if known else [triangles[k : k + 1]] for k, known in enumerate(at_vertex | still)]
+    inner = [[] if known else [triangles[k]] for k, known in enumerate(at_vertex | still)]
     return [Loaded(z[:, k], inner=inner[k]) for k in range(len(names))]
 
 
@@ -147,17 +148,20 @@ def goal_marks(own: Floats, dual: Floats) -> Floats:
     return marks
 
 
-def deflection_rows(problem: PlateProblem, xy: Floats) -> tuple[Floats, Ints, NDArray[np.bool_]]:
-    """(dof, n) the rows of w at places (n, 2), (n,) the triangles there, and (n,) whether a place is a vertex."""
+def deflection_rows(problem: PlateProblem, xy: Floats) -> tuple[Floats, list[Ints], NDArray[np.bool_]]:
+    """(dof, n) the rows of w at places (n, 2), lists of the triangles there, and (n,) whether a place is a vertex."""
     found = problem.locator.find(xy)
-    triangles = found.triangles
-    affine = problem.domain.affine(triangles)
-    rows = matrices.rows(problem.element, affine, found.xi, 0, problem.element.transformation(affine))
+    shared = along_edges(problem.domain, found)
+    at = shared.located
+    affine = problem.domain.affine(at.triangles)
+    rows = matrices.rows(problem.element, affine, at.xi, 0, problem.element.transformation(affine))[:, 0, 0]
     out = np.zeros((problem.layout.count, len(xy)))
-    np.add.at(out, (problem.layout.triangle_dofs(triangles), np.arange(len(xy))[:, None]), rows[:, 0, 0])
-    corners = problem.domain.points[problem.mesh.triangles[triangles]]
+    dofs = problem.layout.triangle_dofs(at.triangles)
+    np.add.at(out, (dofs, shared.points[:, None]), shared.parts[:, None] * rows)
+    corners = problem.domain.points[problem.mesh.triangles[found.triangles]]
     nearest = np.linalg.norm(corners - found.xy[:, None], axis=2).min(axis=1)
-    return out, triangles.astype(np.int64), nearest <= AT_VERTEX * problem.mesh.size
+    triangles = [at.triangles[shared.points == k].astype(np.int64) for k in range(len(xy))]
+    return out, triangles, nearest <= AT_VERTEX * problem.mesh.size
 
 
 def on_held_edges(problem: PlateProblem, xy: Floats) -> NDArray[np.bool_]:

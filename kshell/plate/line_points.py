@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from kshell.material.tensors import von_mises
 from kshell.mesh.closest import Locator
 from kshell.plate.points import Located
+from kshell.plate.sharing import ON_EDGE, Shared, along_edges, around
 
 if TYPE_CHECKING:
     from kshell.plate.recovery import Fields
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ON_EDGE = 1e-9  # barycentric coordinate up to which a point lies on an edge
 SAME = 1e-9  # stresses that differ by rounding
 DIFFERENT = 1e-4  # part of the largest moment by which moments on both sides of a line differ noticeably
 
@@ -57,17 +57,13 @@ class LinePoints:
         on_line = (self._jump[edges] & at_edge & ~np.isin(edges, self.domain.bent)).any(axis=1)
         return np.flatnonzero(on_line | ((at_edge.sum(axis=1) > 1) & self._at_vertex(found)))
 
-    def beyond(self, found: Located) -> tuple[Ints, Ints]:
-        """Points between the ends of edges inside across which nothing jumps, and the triangles on the other side."""
-        x, y = found.xi[:, 0].T
-        at_edge = np.abs(np.stack([y, 1 - x - y, x], axis=1)) < ON_EDGE
-        edges = self.domain.mesh.triangle_edges[found.triangles].astype(np.int64)
-        plain = (self.domain.mesh.edge_counts[edges] > 1) & ~np.isin(edges, self.domain.bent)
-        if self._jump is not None:
-            plain &= ~self._jump[edges]
-        points, local = np.nonzero(at_edge & plain & (at_edge.sum(axis=1) == 1)[:, None])
-        sides = self.domain.sides(edges[points, local])
-        return points, np.where(sides[0] == found.triangles[points], sides[1], sides[0])
+    def both(self, found: Located) -> Shared:
+        """Both triangles of points on edges across which nothing jumps."""
+        return along_edges(self.domain, found, self._jump)
+
+    def around(self, found: Located) -> Shared:
+        """The same, and at vertices all triangles of the fan."""
+        return around(self.domain, self.fields.layout.fans, found, self._jump)
 
     def _at_vertex(self, found: Located) -> NDArray[np.bool_]:
         """Whether any corner of the triangles has several fans."""

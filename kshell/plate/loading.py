@@ -8,7 +8,7 @@ kappa(v)^T D kappa_0 with kappa = (v_xx, v_yy, 2 v_xy).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -39,7 +39,9 @@ class Summed(NamedTuple):
 class AreaLoad(Scaled):
     """Pressure on some triangles: a number, or values at points, without the factor.
 
-    ``degree`` is that of the pressure as a polynomial; None where it is none, or not known to be one.
+    ``degree`` is that of the pressure as a polynomial; None where it is none, or not known to be one. ``order`` is that
+    of the functions it works on: the resultant is integrated as its work is, so that both are of the same load where it
+    jumps inside triangles.
     """
 
     domain: Domain
@@ -47,6 +49,11 @@ class AreaLoad(Scaled):
     triangles: Ints | None
     given: float | Field
     degree: int | None = None
+    order: int | None = None  # that of the element if absent
+
+    def on_order(self, order: int, points: int) -> AreaLoad:
+        """The same load on functions of another order; ``points`` are those of `EdgeLoad`."""
+        return self if self.order == order else replace(self, order=order, kept={})
 
     @property
     def uniform(self) -> float | None:
@@ -61,8 +68,11 @@ class AreaLoad(Scaled):
         for block in self.domain.blocks(self.triangles):
             yield block, block
 
-    def _degree(self) -> int:
-        return self.element.maxdeg + (LOAD_DEGREE if callable(self.given) else 0)
+    @property
+    def rule(self) -> int:
+        """The degree of polynomials for which it is integrated."""
+        order = self.element.maxdeg if self.order is None else self.order
+        return order + (LOAD_DEGREE if callable(self.given) else 0)
 
     def values(self, triangles: Ints, xy: Floats) -> Floats:
         """Pressure (n, point) at points (n, point, 2) of triangles (n,)."""
@@ -88,7 +98,7 @@ class AreaLoad(Scaled):
         if works is not None:
             reference = works[positions]
         else:
-            reference = self._on_reference(next(self.domain.patches(self._degree(), positions)))[0]
+            reference = self._on_reference(next(self.domain.patches(self.rule, positions)))[0]
         return (reference[:, None] @ transform)[:, 0]
 
     def _on_reference(self, patch: Patch) -> tuple[Floats, Floats]:
@@ -117,7 +127,7 @@ class AreaLoad(Scaled):
         reference = np.zeros((len(domain.mesh.triangles), self.element.count)) if works else None
         centre, total, gross = domain.points.mean(axis=0), np.zeros(3), 0.0
         # a constant pressure has moments of degree 1
-        for patch in domain.patches(self._degree() if varies else 1, self.triangles):
+        for patch in domain.patches(self.rule if varies else 1, self.triangles):
             if reference is not None:
                 reference[patch.triangles], force = self._on_reference(patch)
             else:
@@ -141,7 +151,10 @@ class AreaLoad(Scaled):
 
 @dataclass
 class EdgeLoad(Scaled):
-    """Force per length along z on edges, or a bending moment per length; ``given`` and ``degree`` as in `AreaLoad`."""
+    """Force per length along z on edges, or a bending moment per length; ``given`` and ``degree`` as in `AreaLoad`.
+
+    ``points`` are those of the rule on each edge; as the element asks for if absent.
+    """
 
     domain: Domain
     element: PlateElement
@@ -149,13 +162,21 @@ class EdgeLoad(Scaled):
     given: Callable[[Floats], Floats]  # (n, point) at points (n, point, 2)
     moment: bool
     degree: int | None = None
+    points: int | None = None
+
+    def on_order(self, order: int, points: int) -> EdgeLoad:
+        """The same load by another rule on each edge."""
+        return self if self.points == points else replace(self, points=points, kept={})
 
     @property
     def everywhere(self) -> bool:
         return False
 
     def __post_init__(self) -> None:
-        self.patch = edge_patch_for(self.domain, self.element, self.edges)
+        if self.points is None:
+            self.patch = edge_patch_for(self.domain, self.element, self.edges)
+        else:
+            self.patch = self.domain.edge_patch(self.edges, self.points)
 
     def value(self, xy: Floats) -> Floats:
         """(n, point) at points (n, point, 2)."""

@@ -21,6 +21,7 @@ from kshell.plate.layout import Layout
 from kshell.plate.linear_form import LinearForm
 from kshell.plate.problem import PlateProblem
 from kshell.plate.rigid import rigid_motions
+from kshell.plate.sharing import along_edges
 from kshell.plate.vibration import KINDS
 
 Floats = NDArray[np.float64]
@@ -130,10 +131,12 @@ def probe_row(problem: PlateProblem, name: str, component: str) -> Floats:
     if component != "z":
         return row
     found = problem.locator.find(np.array([problem.structure.probes[name][:2]], dtype=float))
-    triangles, affine = found.triangles, problem.domain.affine(found.triangles)
+    shared = along_edges(problem.domain, found)
+    triangles = shared.located.triangles
+    affine = problem.domain.affine(triangles)
     transform = problem.element.transformation(affine)
-    values = matrices.rows(problem.element, affine, found.xi, 0, transform)
-    row[problem.layout.triangle_dofs(triangles)[0]] = values[0, 0, 0]
+    values = matrices.rows(problem.element, affine, shared.located.xi, 0, transform)[:, 0, 0]
+    np.add.at(row, problem.layout.triangle_dofs(triangles), shared.parts[:, None] * values)
     return row
 
 

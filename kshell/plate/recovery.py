@@ -28,6 +28,7 @@ from kshell.plate.line_points import LinePoints
 from kshell.plate.loads import Loads
 from kshell.plate.places import points_3d
 from kshell.plate.points import Located, PlatePoints
+from kshell.plate.sharing import Shared
 from kshell.result.rows import Rows
 
 Floats = NDArray[np.float64]
@@ -61,7 +62,9 @@ class Fields:
         self.domain, self.layout, self.bending = domain, layout, bending
         self.section, self.loads, self.d = section, loads, d
         self.element = layout.element
-        self.polynomial_moments = self.element.maxdeg > 2
+        self.polynomial_moments = self.smooth = (
+            self.element.maxdeg > 2
+        )  # smooth: w and its gradient nowhere jump
         self._jump = jump
 
     def derivatives(self, triangles: Ints, xi: Floats, order: int) -> Floats:
@@ -270,8 +273,14 @@ class Fields:
 
     def motion(self, points: Floats) -> Floats:
         """(n, 3) the displacement u of `at` alone."""
-        found = self.lines.find(points)
-        w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
+        return self._motion(self.lines.find(points))
+
+    def _motion(self, found: Located) -> Floats:
+        """(n, 3) at located points; on edges that w jumps across, the mean of both triangles."""
+        shared = None if self.smooth else self.lines.both(found)
+        at = found if shared is None else shared.located
+        w = self.derivatives(at.triangles, at.xi, 0)[:, 0, 0]
+        w = w if shared is None else shared.mean(w)
         return np.stack([0.0 * w, 0.0 * w, w], axis=1)
 
     def all_at(self, points: Floats) -> dict[str, Floats]:
@@ -284,18 +293,19 @@ class Fields:
 
     def values_at(self, found: Located) -> dict[str, Floats]:
         """The same at located points."""
-        w = self.derivatives(found.triangles, found.xi, 0)[:, 0, 0]
-        gradient = self.derivatives(found.triangles, found.xi, 1)[:, 0]
-        moment, shear = self.forces(found)
-        zero = np.zeros_like(w)
+        shared = self.lines.around(found)
+        at = found if self.smooth else shared.located
+        gradient = self.derivatives(at.triangles, at.xi, 1)[:, 0]
+        gradient = gradient if self.smooth else shared.mean(gradient)
+        moment, shear = self._forces(found, shared)
         stresses = {}
         if self.section.has_stress:
             top, bottom = self.stresses(moment, found.triangles, found.xy)
             stresses = {"stress_top": top, "stress_bottom": bottom}
         return {
             "x": points_3d(self.domain, found.xy),
-            "u": np.stack([zero, zero, w], axis=1),
-            "rotation": np.stack([gradient[:, 1], -gradient[:, 0], zero], axis=1),
+            "u": self._motion(found),
+            "rotation": np.stack([gradient[:, 1], -gradient[:, 0], 0.0 * gradient[:, 0]], axis=1),
             "M": moment,
             "Q": shear,
             **stresses,
@@ -305,17 +315,13 @@ class Fields:
 
     def forces(self, found: Located) -> tuple[Floats, Floats]:
         """Moments (n, 3) and shear forces (n, 2) at located points."""
-        if self.polynomial_moments:
-            forces = [
-                f(found.triangles, found.xi, found.xy[:, None])[:, 0] for f in (self.moment, self.shear)
-            ]
-            on_edge, beyond = self.lines.beyond(found)
-            if len(on_edge):  # the mean of both triangles, whichever of them was found
-                xy = found.xy[on_edge, None]
-                xi = self.domain.affine(beyond).reference_coordinates(xy)
-                for own, f in zip(forces, (self.moment, self.shear), strict=True):
-                    own[on_edge] = 0.5 * (own[on_edge] + f(beyond, xi, xy)[:, 0])
-            return forces[0], forces[1]
+        return self._forces(found, self.lines.around(found))
+
+    def _forces(self, found: Located, shared: Shared) -> tuple[Floats, Floats]:
+        if self.polynomial_moments:  # the means of all triangles there, whichever of them was found
+            at = shared.located
+            moment, shear = (f(at.triangles, at.xi, at.xy[:, None])[:, 0] for f in (self.moment, self.shear))
+            return shared.mean(moment), shared.mean(shear)
         x, y = found.xi[:, 0].T
         weights = np.stack([1 - x - y, x, y], axis=1)[:, None]  # (n, 1, corner)
         corners = self.domain.mesh.triangles[found.triangles]

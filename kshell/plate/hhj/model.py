@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import ClassVar, Literal
 
@@ -71,12 +72,13 @@ class HHJModel(Model):
         domain = self.problem.domain
         curved = len(domain.curved_triangles) > 0
         self.triangles = Triangles(self.problem.mesh, domain if curved else None)
-        self.loads: Loads = self.problem.loads
+        forms = translate.of_order(self.problem.loads.forms, order, curved)
+        self.loads: Loads = replace(self.problem.loads, forms=forms)
         self._systems: dict[str, HHJSystem] = {}
         self._held = translate.held(self.triangles, order, self.problem.supports)
         if self._held.values is not None:
             _ = self.problem.reduction  # finds values that contradict each other
-        degree = translate.load_degree(order, self.loads.forms)
+        degree = translate.load_degree(self.loads.forms)
         self.arcs = Arcs(self.triangles, order, self._held.slopes, degree) if curved else None
 
     def system(self, solver: str = "auto") -> HHJSystem:

@@ -52,7 +52,7 @@ class HHJFields(Fields):
             problem.domain, problem.layout, problem.bending, problem.section, loads, solution.unknowns
         )
         self.system, self.solution = system, solution
-        self.polynomial_moments = True
+        self.polynomial_moments, self.smooth = True, False
         arcs = system.arcs
         self.local = solution.local if arcs is None else arcs.coefficients(solution.local)
 

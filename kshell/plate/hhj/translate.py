@@ -26,7 +26,7 @@ from kshell.plate.hhj.state import Load, Spring
 from kshell.plate.hhj.system import HHJSystem
 from kshell.plate.hhj.tables import tables
 from kshell.plate.holds import OfPlace
-from kshell.plate.linear_form import LinearForm
+from kshell.plate.linear_form import Scaled
 from kshell.plate.loading import LOAD_DEGREE, AreaLoad, CurvatureLoad, EdgeLoad, PointLoad
 
 Floats = NDArray[np.float64]
@@ -139,10 +139,10 @@ def springs(
     return tuple(out)
 
 
-def load(system: HHJSystem, forms: Sequence[LinearForm]) -> Load:
+def load(system: HHJSystem, forms: Sequence[Scaled]) -> Load:
     """The sum of some loads."""
     out = system.no_load()
-    for form in forms:
+    for form in of_order(forms, system.order, system.arcs is not None):
         if isinstance(form, AreaLoad):
             _pressure(system, out, form)
         elif isinstance(form, EdgeLoad):
@@ -156,10 +156,16 @@ def load(system: HHJSystem, forms: Sequence[LinearForm]) -> Load:
     return out
 
 
-def load_degree(order: int, forms: Sequence[LinearForm]) -> int:
+def of_order(forms: Sequence[Scaled], order: int, curved: bool) -> list[Scaled]:
+    """Loads whose resultants are integrated by the rules that this element integrates their work by."""
+    points = order + 1 + LOAD_DEGREE // 2 + (BEYOND if curved else 0)
+    return [form.on_order(order, points) if isinstance(form, AreaLoad | EdgeLoad) else form for form in forms]
+
+
+def load_degree(forms: Sequence[Scaled]) -> int:
     """The degree of polynomials for which pressures that vary are integrated; 0 where none varies."""
-    varies = any(isinstance(form, AreaLoad) and form.uniform is None for form in forms)
-    return order + LOAD_DEGREE if varies else 0
+    varying = (form for form in forms if isinstance(form, AreaLoad) and form.uniform is None)
+    return max((form.rule for form in varying), default=0)
 
 
 def vertex_of(form: PointLoad, points: Floats) -> int:
@@ -224,7 +230,7 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
     if arcs is not None:
         chosen, bent = _divided(chosen, arcs)
         if form.uniform is None:
-            patch, psi = arcs.tabulated(arcs.place[bent], load_degree(system.order, [form]))
+            patch, psi = arcs.tabulated(arcs.place[bent], form.rule)
             weighted = form.values_on(patch) * patch.weights
             out.local[bent] += (weighted[:, None] @ psi)[:, 0] @ t.jets[0]
         else:
@@ -234,14 +240,14 @@ def _pressure(system: HHJSystem, out: Load, form: AreaLoad) -> None:
         return
     if not len(chosen):
         return
-    xi, w = triangle_rule(system.order + LOAD_DEGREE)
+    xi, w = triangle_rule(form.rule)
     values = form.values(chosen, triangles.xy(xi, chosen))
     out.local[chosen] += (values * w * triangles.area[chosen, None]) @ t.inside(xi)
 
 
 def _on_edges(system: HHJSystem, out: Load, form: EdgeLoad) -> None:
     triangles, arcs = system.triangles, system.arcs
-    s, w = interval_rule(system.order + 1 + LOAD_DEGREE // 2 + (0 if arcs is None else BEYOND))
+    s, w = interval_rule(form.patch.weights.shape[1])
     owner, place = places(triangles, form.edges)
     value = form.value(along(triangles, form.edges, s)) * w
     if form.moment:  # - m dw/dn, alpha = length dw/dn along the edge's own normal
