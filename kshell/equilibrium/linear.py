@@ -106,12 +106,17 @@ class LinearSolver:
         # against what initial strains would store in a blocked shell, too: it may not move at all
         energy = 0.0 if initial is None else float(np.sum(initial * elastic.stress(initial)))
         corrections: list[float] = []
+        at_rest = initial is None and not x.any()  # where most solutions begin, and nothing is strained
         for _ in range(MOST_REFINEMENTS):
-            strain = elastic.linear_strain(x)
-            stress = elastic.stress(strain if initial is None else strain - initial)
-            forces = elastic.linear_forces(stress) - load
-            if springs is not None:
-                forces += springs @ x
+            if at_rest:
+                stress, forces = np.zeros((len(elastic.triangle_unknowns), elastic.strains)), 0.0 - load
+                at_rest = False
+            else:
+                strain = elastic.linear_strain(x)
+                stress = elastic.stress(strain if initial is None else strain - initial)
+                forces = elastic.linear_forces(stress) - load
+                if springs is not None:
+                    forces += springs @ x
             residual = -(basis.T @ forces)
             step = self._solve(residual)
             gain = abs(float(residual @ step))
