@@ -78,7 +78,13 @@ class Run:
         """The same run on another mesh with the same groups, as after refining, with a clock of its own."""
         return replace(
             self,
-            structure=resolve(self.scene, mesh, self.options.analysis == "dynamic", self.options.looks),
+            structure=resolve(
+                self.scene,
+                mesh,
+                self.options.analysis == "dynamic",
+                self.options.looks,
+                self.options.without_errors,
+            ),
             clock=Clock(self.progress),
         )
 

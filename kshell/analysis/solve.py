@@ -257,7 +257,7 @@ def _analysed(
     if progress is not None:
         progress("read")
     begin = time.perf_counter()
-    structure = resolve(scene, read(), options.analysis == "dynamic", options.looks)
+    structure = resolve(scene, read(), options.analysis == "dynamic", options.looks, options.without_errors)
     clock = Clock(progress, time.perf_counter() - begin)
     kept = None if folder is None else Path(folder)
     run = Run(scene, structure, options, clock, progress, kept, resume, allow_system=allow_system)

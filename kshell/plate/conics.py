@@ -15,6 +15,7 @@ delta(s)   arc minus chord = s (1 - s) phi(s); with the chord c of the circle, a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ COEFFICIENTS = 10  # of phi: 1e-15 of the chord for edges of 70 degrees
 CHEBYSHEV = 0.5 + 0.5 * np.cos(np.pi * (np.arange(COEFFICIENTS) + 0.5) / COEFFICIENTS)
 POWERS = CHEBYSHEV[:, None] ** np.arange(COEFFICIENTS)
 LARGEST_ANGLE = np.radians(100.0)
+ROUND = 0.05  # determinant over squared trace of second moments, 1/4 of a whole circle: their condition is 18
 LONGEST = 1e3  # ratio of the axes of an ellipse
 
 
@@ -45,7 +47,7 @@ class Arc:
     theta: Floats
     map: Floats
 
-    @property
+    @cached_property
     def circular(self) -> bool:
         """Whether it is of a circle."""
         return bool((self.map == np.eye(2)).all())
@@ -67,7 +69,7 @@ class Arc:
         return self._back(found * self._complex(chord)[:, None])
 
     def _complex(self, vectors: Floats) -> NDArray[np.complex128]:
-        x, y = (vectors @ self.map.T).T
+        x, y = vectors.T if self.circular else (vectors @ self.map.T).T
         return np.asarray(x + 1j * y)
 
     def _back(self, numbers: NDArray[np.complex128]) -> Floats:
@@ -101,13 +103,21 @@ def arc_of(nodes: Floats, step: int, rounding: float, fewest: int = FEWEST_ALONE
 
 
 def _circle(x: Floats, near: float) -> Floats | None:
-    """The centre of the circle that points are on."""
-    # |x|^2 = 2 c . x + r^2 - |c|^2
-    system = np.concatenate([2 * x, np.ones((len(x), 1))], axis=1)
-    found = np.linalg.lstsq(system, (x * x).sum(axis=1), rcond=None)[0]
-    radius = np.sqrt(max(found[2] + found[:2] @ found[:2], 0.0))
-    off = np.abs(np.linalg.norm(x - found[:2], axis=1) - radius).max()
-    return np.asarray(found[:2]) if off <= OFF * radius + near else None
+    """The centre of the circle that points are on, given from their mean."""
+    # |x|^2 = 2 c . x + r^2 - |c|^2; the mean of x is zero, and r^2 - |c|^2 that of |x|^2
+    squares = (x * x).sum(axis=1)
+    (a, b), (_, d) = (x.T @ x).tolist()
+    p, q = (0.5 * (squares @ x)).tolist()
+    spread = a * d - b * b
+    if spread > ROUND * (a + d) ** 2:
+        centre = np.array([(d * p - b * q) / spread, (a * q - b * p) / spread])
+    else:  # a short arc, whose normal equations lose digits
+        system = np.concatenate([2 * x, np.ones((len(x), 1))], axis=1)
+        centre = np.linalg.lstsq(system, squares, rcond=None)[0][:2]
+    radius = np.sqrt(squares.mean() + centre @ centre)
+    away = x - centre
+    off = np.abs(np.hypot(away[:, 0], away[:, 1]) - radius).max()
+    return np.asarray(centre) if off <= OFF * radius + near else None
 
 
 def _ellipse(x: Floats, near: float) -> tuple[Floats, Floats] | None:

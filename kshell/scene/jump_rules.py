@@ -11,11 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.quadrature import interval_rule, triangle_rule
+from kshell.values.entire import on_balls
 
 Floats = NDArray[np.float64]
 Rule = tuple[Floats, Floats]  # barycentric coordinates (q, 3 or 2) and weights (q,) of sum 1
@@ -29,6 +31,7 @@ DEGREES = (
 NEAR = 1e-6  # distance from the rim of what is looked at, of the height: more than rounding of coordinates
 CUBIC = 3
 LAYERS, THINNER = 6, 4.0  # each so many times thinner than the one before
+WIDER = 6.0  # balls of complex places than parts of triangles
 IN_LAYER = 4  # points along and across, exact to degree 6
 LOOKS = 6  # along each edge of a triangle
 
@@ -155,3 +158,42 @@ def _powers(places: Floats) -> Floats:
         return np.asarray(places[:, 1:] ** np.arange(CUBIC + 1))
     x, y = places[:, 1], places[:, 2]
     return np.stack([x**i * y**j for i in range(CUBIC + 1) for j in range(CUBIC + 1 - i)], axis=1)
+
+
+@lru_cache(maxsize=2)
+def parts_of(k: int) -> tuple[Floats, Floats]:
+    """(part, corner, k) corners of the parts and (part, k) their centres, in barycentric coordinates."""
+    return PARTS[k], PARTS[k].mean(axis=1)
+
+
+def beyond_parts(value: Any, corners: Floats) -> Floats | None:
+    """How much a rule of degree 6 on the parts of triangles or edges may miss of a formula, over their size.
+
+    The Taylor series of degree 6 around the centre of a part is integrated exactly. What follows is at most
+    r (d/R)^7 / (1 - d/R) at a distance d, r from `kshell.values.entire.on_balls` of radius R; d^7 is at most d^6 times
+    the largest, which the rule integrates exactly, too, and both integral and rule have a part in what is missed.
+
+    Parameters
+    ----------
+    value : number, str, callable, or a sequence of numbers and strings
+    corners : (n, k, 3) array
+
+    Returns
+    -------
+    (n,) array; None where the value may jump or have poles.
+    """
+    k = corners.shape[1]
+    parts, middles = parts_of(k)
+    places, shares = rules(k)[0]
+    centre = middles @ corners  # (n, part, 3)
+    away = parts[0] @ corners - centre[:, :1]  # all parts are alike
+    squares = (away * away).sum(axis=2)
+    rho = np.sqrt(squares.max(axis=1))
+    points = places @ away
+    d6 = ((points * points).sum(axis=2) ** 3) @ shares
+    radius = WIDER * rho
+    grown = on_balls(value, centre.reshape(-1, 3), np.repeat(radius, len(parts)))
+    if grown is None:
+        return None
+    share = 2.0 * rho * d6 / (radius**7 * (1.0 - 1.0 / WIDER))
+    return np.asarray(grown.reshape(-1, len(parts)).mean(axis=1) * share)

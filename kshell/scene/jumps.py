@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.scene.exact_supports import Elastic
-from kshell.scene.jump_rules import DEGREES, just_inside, looks
+from kshell.scene.jump_rules import DEGREES, Look, beyond_parts, just_inside, looks
 from kshell.scene.load import Load
 from kshell.scene.loads import InitialCurvature, InitialStrain, Temperature
 from kshell.scene.normals import beside
@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
 ROUGH = 3e-3  # of the load, from which it is said; less stands in the budget, and in the intervals, alone
+UNSEEN = 0.3 * ROUGH  # of the mean size, what parts may miss of smooth formulas where words alone are wanted
 STANDS_OUT = (
     1e-3  # of the mean size of the load: what values just inside the rim may differ by from those inside
 )
@@ -34,7 +35,9 @@ MOST = 5_000  # triangles that are looked at together
 FEW = 100  # of which most loads act on one
 
 
-def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: int) -> tuple[float, Floats]:
+def missed_forces(
+    load: Load | Elastic, space: Mesh, members: Ints, dimension: int, words_only: bool = False
+) -> tuple[float, Floats]:
     """The share of a load, or of a spring, that is missed or added, and (n,) the size of what is by triangle, or edge.
 
     The share is that of the resultant, of the moments over the size of its place, or of twice the root of the sum of
@@ -46,12 +49,14 @@ def missed_forces(load: Load | Elastic, space: Mesh, members: Ints, dimension: i
         Triangles or edges it acts on.
     dimension : int
         2 or 1; at points nothing is missed.
+    words_only : bool
+        Whether what is missed of a smooth formula may be known to `UNSEEN` of the load, as `rough_words` need it.
     """
     none = 0.0, np.zeros(len(members))
     if not _varies(load, dimension) or _is_exact(load):
         return none
     cells = space.triangles if dimension == 2 else space.edges
-    found = _Missed(load, space, members, space.points[cells[members]])
+    found = _Missed(load, space, members, space.points[cells[members]], words_only)
     if found.gross == 0.0:
         return none
     largest = np.maximum(found.moments, 2.0 * np.sqrt((found.off**2).sum(axis=0)))
@@ -129,7 +134,14 @@ class _Missed:
         Integral of the size of the load.
     """
 
-    def __init__(self, load: Load | Elastic, space: Mesh, members: Ints, corners: Floats) -> None:
+    def __init__(
+        self,
+        load: Load | Elastic,
+        space: Mesh,
+        members: Ints,
+        corners: Floats,
+        words_only: bool = False,
+    ) -> None:
         self.load, self.space = load, space
         k = self.k = corners.shape[1]
         first, second = looks(k)
@@ -137,10 +149,20 @@ class _Missed:
         centre, size = corners.mean(axis=(0, 1)), float(np.ptp(corners, axis=(0, 1)).max())
         moments: Any = 0.0  # (rule, force and arms, component)
         self.gross, off, taken = 0.0, [], len(second.slices) - 2
+
+        def sums(look: Look, at: Floats, values: Floats, sizes: Floats) -> Floats:
+            """(n, force and arms, rule, component)."""
+            arm = np.ones((len(at), 4, at.shape[1]))
+            arm[:, 1:] = ((at - centre) / size).swapaxes(1, 2)
+            return np.asarray(
+                (look.by_rule @ (arm[..., None] * values[:, None])) * sizes[:, None, None, None]
+            )
+
         for begin in range(0, len(corners), MOST):
             chosen, some = members[begin : begin + MOST], corners[begin : begin + MOST]
             sizes = (space.areas if k == 3 else space.edge_lengths)[chosen]
-            values = self._values(chosen, first.places @ some)
+            places = first.places @ some
+            values = self._values(chosen, places)
             one, of_parts = (sizes[:, None] * (first.by_rule[rule] @ values) for rule in range(2))
             gross = sizes * (_lengths(values) @ first.by_rule[1])
             missed = _lengths(of_parts - one)
@@ -150,28 +172,30 @@ class _Missed:
             rough |= beside_rim > STANDS_OUT * (gross / sizes).mean()
             self.gross += float(gross.sum())
             each = np.repeat(missed[:, None], taken, axis=1)
+            if words_only and rough.any():
+                parts_tell = rough & (_unseen(load, some) <= UNSEEN * (gross / sizes).mean())
+                if parts_tell.any():
+                    found = sums(first, places[parts_tell], values[parts_tell], sizes[parts_tell])
+                    moments = moments + (found[:, :, 1] - found[:, :, 0]).sum(axis=0)[None]
+                    rough &= ~parts_tell
             here = rough.nonzero()[0]
             count = -(-len(here) // max(1, MOST * FEW // len(second.shares)))
             for turn in range(count):
                 part = here[turn::count]
                 at = second.places @ some[part]
                 values = self._values(chosen[part], at)
-                arm = np.ones((len(part), 4, at.shape[1]))
-                arm[:, 1:] = ((at - centre) / size).swapaxes(1, 2)
-                # (n, force and arms, rule, component)
-                sums = second.by_rule @ (arm[..., None] * values[:, None])
-                sums *= sizes[part, None, None, None]
+                of_rules = sums(second, at, values, sizes[part])
                 # of two rules that are fine, the one that is farther off
-                farther = _lengths(sums[:, 0, 1] - one[part]) > _lengths(sums[:, 0, 0] - one[part])
-                found = np.where(farther[:, None, None], sums[:, :, 1], sums[:, :, 0])
+                farther = _lengths(of_rules[:, 0, 1] - one[part]) > _lengths(of_rules[:, 0, 0] - one[part])
+                found = np.where(farther[:, None, None], of_rules[:, :, 1], of_rules[:, :, 0])
                 both = sizes[part, None] * (_lengths(values) @ second.by_rule[:2].T)
                 self.gross += float((np.where(farther, both[:, 1], both[:, 0]) - gross[part]).sum())
-                left = found[:, :, None] - sums[:, :, 2:]
+                left = found[:, :, None] - of_rules[:, :, 2:]
                 each[part] = _lengths(left[:, 0])
                 moments = moments + left.sum(axis=0).swapaxes(0, 1)
             off.append(each)
         self.moments: Floats = (
-            np.abs(moments).reshape(taken, -1).max(axis=1) if np.ndim(moments) else np.zeros(taken)
+            np.abs(moments).max(axis=(1, 2)) * np.ones(taken) if np.ndim(moments) else np.zeros(taken)
         )
         self.off: Floats = np.concatenate(off) if off else np.zeros((0, taken))
 
@@ -193,6 +217,13 @@ def _values(load: Any, space: Mesh, triangles: Ints, points: Floats) -> Floats:
         places = flat.reshape(*points.shape[:2], 6)
     values = load.stiffness_at(places) if isinstance(load, Elastic) else load.at(places)
     return np.asarray(values if values.ndim == 3 else values[..., None])
+
+
+def _unseen(load: Any, corners: Floats) -> Floats:
+    """(n,) what parts may miss of a load over the size of its triangles or edges (n, k, 3); infinite if not known."""
+    plain = isinstance(load, Load) and type(load).at is Load.at and not load.needs_normal
+    found = beyond_parts(load.value, corners) if plain else None
+    return np.full(len(corners), np.inf) if found is None else found
 
 
 def _lengths(vectors: Floats) -> Floats:

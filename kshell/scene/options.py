@@ -335,6 +335,11 @@ class SolveOptions:
         return SolveOptions(**{f.name: getattr(self, f.name) for f in fields(self)} | changes)
 
     @property
+    def without_errors(self) -> bool:
+        """Whether no error is asked for, by a tolerance either."""
+        return self.error == "off" and self.tolerance is None
+
+    @property
     def looks(self) -> tuple[float, ...]:
         """Times of a motion at which loads that move are looked at, the start first; steps where these are given."""
         if self.analysis != "dynamic" or self.time is None:

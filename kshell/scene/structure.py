@@ -124,7 +124,13 @@ class Structure:
         )
 
 
-def resolve(scene: Scene, mesh: Mesh, moving: bool = False, looks: Sequence[float] = (0.0,)) -> Structure:
+def resolve(
+    scene: Scene,
+    mesh: Mesh,
+    moving: bool = False,
+    looks: Sequence[float] = (0.0,),
+    words_only: bool = False,
+) -> Structure:
     """Find what a scene means on its mesh, as read.
 
     Parameters
@@ -133,6 +139,8 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False, looks: Sequence[floa
         Whether values may depend on the time t; they are then looked at as they are at t = 0.
     looks : sequence of float
         Times at which loads that move are looked at.
+    words_only : bool
+        Whether nobody asks for errors, so that of what is missed of loads inside triangles only words are wanted.
 
     Raises
     ------
@@ -154,7 +162,7 @@ def resolve(scene: Scene, mesh: Mesh, moving: bool = False, looks: Sequence[floa
     for name, point in scene.probes.items():
         if isinstance(point, ProbePoint):
             select(space, point.on, dimensions=(2,), what=f'probe "{name}"')
-    loads = tuple(_warned(placed, supports, space, moving, looks) for placed in loads)
+    loads = tuple(_warned(placed, supports, space, moving, looks, words_only) for placed in loads)
     supports = tuple(_spring(placed, space, moving) for placed in supports)
     section = shell_section(space, scene.thickness, scene.material, scene.layers, scene.section)
     for placed in loads:
@@ -193,7 +201,12 @@ def _from_files(loads: Iterable[Placed[Load]], space: Mesh) -> tuple[tuple[Place
 
 
 def _warned(
-    load: Placed[Load], supports: Sequence[Placed[Support]], space: Mesh, moving: bool, looks: Sequence[float]
+    load: Placed[Load],
+    supports: Sequence[Placed[Support]],
+    space: Mesh,
+    moving: bool,
+    looks: Sequence[float],
+    words_only: bool,
 ) -> Placed[Load]:
     """A load, with a warning where it goes into supports that hold it, or changes fast inside triangles."""
     now = load.at_time(0.0) if moving else load
@@ -202,7 +215,7 @@ def _warned(
         missed = missed_on_the_way(states, space, now.members(space))
         rough = rough_words(load.item, missed, 2, moves=True)
     else:
-        missed, rough = _missed(now, space)
+        missed, rough = _missed(now, space, words_only)
     if not moving and not missed and acts_nowhere(now.item, space, now.members(space), _dimension(now)):
         rough = f"{now.item} is zero wherever it is integrated: nothing comes of it"
     words = "; ".join(part for part in (lost_into_supports(now, supports, space), rough) if part)
@@ -219,10 +232,10 @@ def _spring(placed: Placed[Support], space: Mesh, moving: bool) -> Placed[Suppor
     return replace(placed, warning=both, missed=missed) if missed else placed
 
 
-def _missed(placed: Placed[Any], space: Mesh) -> tuple[float, str]:
+def _missed(placed: Placed[Any], space: Mesh, words_only: bool = False) -> tuple[float, str]:
     """What is missed of a load or a spring, and words about it."""
     dimension = _dimension(placed)
-    missed, _ = missed_forces(placed.item, space, placed.members(space), dimension)
+    missed, _ = missed_forces(placed.item, space, placed.members(space), dimension, words_only)
     return missed, rough_words(placed.item, missed, dimension)
 
 

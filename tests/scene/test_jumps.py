@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import kshell as ks
+from kshell.scene.jump_rules import PARTS, beyond_parts, rules
 from kshell.scene.jumps import missed_forces, rough_words
 from tests.scene.fabricated import square_mesh
 
@@ -202,3 +203,67 @@ def test_waves_that_a_mesh_does_not_see(waves):
     true = np.sin(waves * np.pi / 2) / (np.pi**4 * (waves**2 + 1) ** 2) / stiffness
     off = abs(result.probes["centre"]["u"][2] - true)
     assert off <= result.error["probes"]["centre"]["u"]["half_width"][2]
+
+
+def rough_share(text, n, words_only):
+    mesh = square_mesh(n)
+    return missed_forces(ks.Pressure(text), mesh, np.arange(2 * n * n), 2, words_only=words_only)[0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "exp(x)*cos(3*y)",
+        "sin(3*x)*sin(3*y)",
+        "sin(pi*8*x)*sin(pi*8*y) + 0.2",
+        "exp(-8000*((x-0.4)**2+(y-0.4)**2))",
+        "1 + exp(-3000*((x-0.52)**2+(y-0.47)**2))",
+        "1 + 1e-3*cos(200*x)",
+        "1 + 0.1*exp(-(x/0.1)**2)",
+        "1*(x > 0.31)",
+        "sinh(4*x - 2)",
+    ],
+)
+@pytest.mark.parametrize("n", [1, 2, 8])
+def test_words_alone_are_those_of_a_full_look(text, n):
+    """Nothing that is worth a word hides: what parts may miss of a smooth formula is bounded."""
+    full, words = rough_share(text, n, False), rough_share(text, n, True)
+    assert abs(full - words) <= 1e-3
+    said = [rough_words(ks.Pressure(text), share, 2) for share in (full, words)]
+    assert bool(said[0]) == bool(said[1])
+
+
+@pytest.mark.parametrize("k", [2, 3])
+@pytest.mark.parametrize(
+    "text", ["exp(x)*cos(3*y)", "sin(6*x + 1)", "exp(-9*((x-0.3)**2+y**2))", "x**7", "x**6*0"]
+)
+def test_what_parts_miss_is_bounded(k, text):
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.1, 0.0], [0.4, 0.8, 0.0]])[:k]
+    _, parts, fine = rules(k)
+    value = ks.Pressure(text)
+    exact, found = (
+        float(shares @ value.at(places @ corners)) for places, shares in (rule_of(fine, k), parts)
+    )
+    assert abs(exact - found) <= float(beyond_parts(text, corners[None])[0]) * (1 + 1e-9) + 1e-15
+
+
+def rule_of(rule, k):
+    """The rule on the parts of parts of each part."""
+    places, shares = rule
+    for _ in range(2):
+        places = np.einsum("qk,pkb->pqb", places, PARTS[k]).reshape(-1, k)
+        shares = np.tile(shares, 4) / 4
+    return places, shares
+
+
+def test_tolerances_know_in_full_what_is_missed_with_errors_off():
+    """Errors of a tolerance count it, whether others are asked for or not."""
+    scene = ks.Scene(
+        mesh=square_mesh(2),
+        material=ks.Isotropic(1e4, 0.3),
+        thickness=0.1,
+        supports=[ks.Clamped("top")],
+        loads=[ks.Pressure("exp(x)*cos(3*y)")],
+    )
+    asked = [ks.solve(scene, tolerance=0.05, error=error).error for error in ("auto", "off")]
+    assert asked[0]["budget"] == asked[1]["budget"]

@@ -140,7 +140,14 @@ class Arcs:
         if len(pure):
             slope = self._plane(at[pure], along.speed[pure])
             self.planes[at[pure, None], slopes[1][pure]] = (2 * k[:, None] + 1) * (polynomials.T @ slope)
-        self.back: Floats = np.linalg.inv(g).astype(np.float64)
+        # all rows but those of the bubbles are those of the identity
+        own = slice(3, 3 * self.order)
+        inverse: Floats = np.linalg.inv(g[:, own, own]).astype(np.float64)
+        rows = g[:, own]
+        rows[..., own] = 0.0
+        self.back: Floats = np.repeat(np.eye(t.count)[None], n, axis=0)
+        self.back[:, own] = inverse @ -rows
+        self.back[:, own, own] = inverse
 
     @cached_property
     def _alongside(self) -> Alongside:
@@ -248,12 +255,11 @@ class Arcs:
         root = np.sqrt(straight.area[self.triangles])[:, None, None]
         maps = strain_map[self.triangles] * root
         maps[..., :3] = 0.0
-        for part in (3 + 2 * edges, 4 + 2 * edges, 9 + edges):
-            maps[at, :, part] = 0.0
+        maps[at[:, None], :, np.stack([3 + 2 * edges, 4 + 2 * edges, 9 + edges], axis=1)] = 0.0
         out = (maps.reshape(-1, 12) @ t.rows).reshape(n, 3, k, t.count)
         own = factor if factor.ndim == 2 else factor[self.triangles]
         out += (own @ components.reshape(n, 3, -1)).reshape(out.shape)
-        scaled: Floats = up[:, None] @ (out @ self.back[:, None])
+        scaled: Floats = up[:, None] @ (out.reshape(n, 3 * k, -1) @ self.back).reshape(out.shape)
         return scaled.reshape(n, 3 * k, t.count)
 
     def to_unknowns(self, local: Floats) -> None:

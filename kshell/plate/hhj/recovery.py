@@ -199,13 +199,15 @@ def _along_arcs(
     planes = arcs.planes @ rigid
     strains = solution.strains[arcs.triangles].reshape(len(rigid), 1, -1)
     missed = (strains @ (system.arc_planes @ rigid))[:, 0] / np.maximum(arcs.pure.sum(axis=1), 1)[:, None]
-    for edge in range(3):
-        here = np.flatnonzero(arcs.bent[:, edge])
-        number = system.triangles.edges[arcs.triangles[here], edge]
-        for part, out in ((t.bubbles(edge), lifting), (t.slopes(edge), turning)):
-            left = residual[numbering.outer[arcs.triangles[here], part]]
-            out[number] = (left[:, None] @ planes[here, part])[:, 0]
-        turning[number] -= missed[here] * arcs.pure[here, edge, None]
+    at, edges, k = arcs.pairs, arcs.pair_edges[:, None], np.arange(system.order)
+    own = arcs.triangles[at]
+    number = system.triangles.edges[own, arcs.pair_edges]
+    bubbles = t.bubbles(0).start + edges * (system.order - 1) + k[:-1]
+    slopes = t.slopes(0).start + edges * system.order + k
+    for part, out in ((bubbles, lifting), (slopes, turning)):
+        left = residual[numbering.outer[own[:, None], part]]
+        out[number] = (left[:, None] @ planes[at[:, None], part])[:, 0]
+    turning[number] -= missed[at] * arcs.pure[at, arcs.pair_edges, None]
 
 
 def _shared(works: list[Floats], groups: list[HeldGroup], mesh: Mesh) -> Iterator[tuple[str, Floats]]:
