@@ -26,15 +26,20 @@ Sources: M. L. Williams, Proc. 1st US Nat. Congr. Appl. Mech. (1952) 325-329; V.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from kshell.elements.quadrature import interval_rule
+from kshell.material.section import Section
+from kshell.mesh.mesh import Mesh
 from kshell.plate.domain import Domain
-from kshell.plate.problem import PlateProblem
+from kshell.plate.forms import Bending
+from kshell.plate.held import Supports
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -71,15 +76,30 @@ class Star:
     closed: bool
 
 
-def corner_exponents(problem: PlateProblem, domain: Domain | None = None) -> dict[int, float]:
+class Plate(Protocol):
+    """What is read of a `PlateProblem`."""
+
+    domain: Domain
+    supports: Supports
+    section: Section
+    bending: Bending
+
+    @property
+    def mesh(self) -> Mesh: ...
+
+
+def corner_exponents(
+    problem: Plate, domain: Domain | None = None, among: Sequence[int] | None = None
+) -> dict[int, float]:
     """Exponents lambda < 2 of the deflection by vertex: their real parts where they are complex.
 
-    Edges that are curved in the domain, that of the problem if absent, leave along their tangents.
+    Edges that are curved in the domain, that of the problem if absent, leave along their tangents. `among`: of these
+    vertices alone, of all corners if absent.
     """
     mesh = problem.mesh
     lines = _Lines(problem, problem.domain if domain is None else domain)
     out: dict[int, float] = {}
-    for vertex in lines.corners().tolist():
+    for vertex in lines.corners().tolist() if among is None else among:
         triangles = np.flatnonzero((mesh.triangles == vertex).any(axis=1))
         for star in _stars(problem, lines, vertex, triangles):
             exponent = least_exponent(star)
@@ -98,7 +118,7 @@ class _Lines:
         Stiffnesses, -1 where triangles are held whole.
     """
 
-    def __init__(self, problem: PlateProblem, domain: Domain) -> None:
+    def __init__(self, problem: Plate, domain: Domain) -> None:
         mesh = self.mesh = problem.mesh
         self._domain = domain
         self.held, self.turned = (np.zeros(len(mesh.edges), dtype=bool) for _ in range(2))
@@ -141,7 +161,7 @@ class _Lines:
         return np.where(first[:, None], tangents[:, 0], -tangents[:, 1])
 
 
-def _kinds(problem: PlateProblem) -> Ints:
+def _kinds(problem: Plate) -> Ints:
     """(T,) a number for each stiffness; one for all where it varies inside triangles."""
     count = len(problem.mesh.triangles)
     if problem.section.uniform or not problem.section.constant_per_triangle:
@@ -151,7 +171,7 @@ def _kinds(problem: PlateProblem) -> Ints:
     return np.unique(rounded, axis=0, return_inverse=True)[1].ravel().astype(np.int64)
 
 
-def _stars(problem: PlateProblem, lines: _Lines, vertex: int, triangles: Ints) -> list[Star]:
+def _stars(problem: Plate, lines: _Lines, vertex: int, triangles: Ints) -> list[Star]:
     """The fans of triangles at a vertex, those between neighbouring lines joined to one sector."""
     mesh = problem.mesh
     after: dict[int, tuple[int, int]] = {}  # from the first to the next vertex around, and the triangle
@@ -173,9 +193,7 @@ def _stars(problem: PlateProblem, lines: _Lines, vertex: int, triangles: Ints) -
     return out
 
 
-def _star(
-    problem: PlateProblem, lines: _Lines, vertex: int, walk: list[tuple[int, int, int]], closed: bool
-) -> Star:
+def _star(problem: Plate, lines: _Lines, vertex: int, walk: list[tuple[int, int, int]], closed: bool) -> Star:
     mesh = problem.mesh
     rays = [a for a, _, _ in walk] + [walk[-1][1]]
     edges = mesh.edge_index(np.array([[min(vertex, r), max(vertex, r)] for r in rays]))

@@ -1,9 +1,10 @@
 """Corners where the moments of a plate are infinite, so that the user hears of it.
 
-Near a corner of interior angle omega the deflection goes like r^lambda with lambda < 2 (and moments like
-r^(lambda - 2)) between simply supported edges from omega = 90 degrees on, lambda = pi / omega, mildly so
-up to about 120 degrees; between clamped or free edges beyond 180 degrees. Source: M. L. Williams, Proc. 1st US
-Nat. Congr. Appl. Mech. (1952) 325-329.
+Near a corner the deflection goes like r^lambda (`kshell.plate.corner_exponents`) and moments like r^(lambda - 2).
+Between simply supported edges of interior angle omega lambda = pi / omega: infinite from 90 degrees on, but mildly so
+up to about 120; between clamped or free edges beyond 180. Between edges that are held differently smaller angles are
+enough: beside a line of symmetry those of half the size. Source: M. L. Williams, Proc. 1st US Nat. Congr. Appl. Mech.
+(1952) 325-329.
 """
 
 from __future__ import annotations
@@ -15,14 +16,21 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
+from kshell.plate.corner_exponents import Plate, corner_exponents
 from kshell.plate.curves import EdgeCurves
-from kshell.plate.held import Supports
+from kshell.plate.domain import Domain
 from kshell.plate.rims import edge_curves
 
 Floats = NDArray[np.float64]
 
-OBTUSE = np.radians(120.0)
 RE_ENTRANT = np.radians(190.0)
+STRONG = 1.5 - 1e-6  # exponents from which moments are named: those of supported corners above 120 degrees
+# radians up to which moments of plates of one stiffness are known to be finite, or to grow mildly
+FINITE = {
+    "obtuse supported corner": np.radians(120.0),
+    "obtuse symmetry corner": np.radians(120.0),
+    "evenly held corner": np.pi,
+}
 SMOOTH = 1 - 1e-6  # cosine between tangents that belong to one smooth line
 
 
@@ -49,29 +57,44 @@ def corner_angles(mesh: Mesh, shape: EdgeCurves | None = None) -> dict[int, floa
     return {v: float(total[v]) for v in np.flatnonzero(at_corner).tolist()}
 
 
-def infinite_moments(mesh: Mesh, supports: Supports, angles: Mapping[int, float]) -> dict[int, str]:
+def infinite_moments(plate: Plate, angles: Mapping[int, float]) -> dict[int, str]:
     """Corners where moments grow without bound as the mesh is refined, with their kind, from the `corner_angles`."""
-    if max(angles.values(), default=0.0) <= OBTUSE:
-        return {}
-    held = np.zeros(len(mesh.edges), dtype=bool)
-    clamped = np.zeros(len(mesh.edges), dtype=bool)
-    for group in supports.held:
+    mesh = plate.mesh
+    held, turned = (np.zeros(len(mesh.edges), dtype=bool) for _ in range(2))
+    for group in plate.supports.held:
         held[group.line] = True
-        turned = np.zeros(len(mesh.edges), dtype=bool)
         turned[group.edges] = True
-        clamped[group.line] |= turned[group.line]
     around: dict[int, list[int]] = {}
-    for e in mesh.boundary_edges.tolist():
+    for e in mesh.boundary_edges[np.isin(mesh.edges[mesh.boundary_edges], list(angles)).any(axis=1)].tolist():
         for v in mesh.edges[e].tolist():
             around.setdefault(v, []).append(e)
+    kinds = {v: _kind(held[around[v]].tolist(), turned[around[v]].tolist()) for v in angles}
+    even = plate.section.uniform
+    asked = [
+        v for v, a in angles.items() if a <= RE_ENTRANT and not (even and a <= FINITE.get(kinds[v], 0.0))
+    ]
+    strong: dict[int, float] = {}
+    if asked:
+        domain = plate.domain
+        if not len(domain.boundary.edges):  # of chords
+            domain = Domain(mesh, True, domain.bent)
+        strong = corner_exponents(plate, domain, asked)
     out = {}
     for v, angle in angles.items():
-        edges = around[v]
         if angle > RE_ENTRANT:
             out[v] = "re-entrant corner"
-        elif angle > OBTUSE and held[edges].all() and not clamped[edges].all():
-            out[v] = "obtuse supported corner"
+        elif strong.get(v, 2.0) < STRONG:
+            out[v] = kinds[v]
     return out
+
+
+def _kind(held: list[bool], turned: list[bool]) -> str:
+    """What a corner is called between two edges of which the deflection is held, and the slope."""
+    if held[0] != held[1] or turned[0] != turned[1]:
+        return "unevenly supported corner"
+    if held[0] != turned[0]:
+        return "obtuse supported corner" if held[0] else "obtuse symmetry corner"
+    return "evenly held corner"
 
 
 def singular_corners(mesh: Mesh, found: Mapping[int, str], angles: Mapping[int, float]) -> list[str]:

@@ -274,7 +274,7 @@ class PlateProblem:
     def singular(self) -> dict[int, str]:
         """Corners where moments grow without bound, with their kind."""
         if "singular" not in self.shared:
-            self.shared["singular"] = infinite_moments(self.mesh, self.supports, self.corner_angles)
+            self.shared["singular"] = infinite_moments(self, self.corner_angles)
         found: dict[int, str] = self.shared["singular"]
         return found
 
