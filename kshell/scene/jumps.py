@@ -228,4 +228,6 @@ def _unseen(load: Any, corners: Floats) -> Floats:
 
 def _lengths(vectors: Floats) -> Floats:
     """(...) lengths of vectors (..., component)."""
+    if vectors.shape[-1] == 1:
+        return np.abs(vectors[..., 0])
     return np.asarray(np.sqrt((vectors * vectors).sum(axis=-1)))
