@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from kshell.mesh.mesh import Mesh
 from kshell.mesh.words import count, place
-from kshell.plate.corner_exponents import Plate, corner_exponents
+from kshell.plate.corner_exponents import corner_exponents
+from kshell.plate.corner_stars import Plate
 from kshell.plate.curves import EdgeCurves
 from kshell.plate.domain import Domain
 from kshell.plate.rims import edge_curves
