@@ -251,8 +251,8 @@ def _dual_moments(model: PlateModel | HHJModel, names: Sequence[str], nodes: Flo
     places = np.array([np.array(model.structure.probes[name])[:2] for name in names])
     if isinstance(model, PlateModel):
         rows, _, _ = deflection_rows(problem, places)
-        reduction = problem.reduction.matrix()
-        z = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))
+        reduction = problem.reduction
+        z = reduction.spread(model.respond(reduction.gathered(rows)))
         p = problem
         return [
             _constant_moments(Fields(p.domain, p.layout, p.bending, p.section, Loads(), column))

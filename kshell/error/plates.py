@@ -85,8 +85,8 @@ def _dual_cases(model: PlateModel, names: Sequence[str]) -> list[Loaded]:
     problem = model.problem
     places = np.array([np.array(problem.structure.probes[name])[:2] for name in names])
     rows, triangles, at_vertex = deflection_rows(problem, places)
-    reduction = problem.reduction.matrix()
-    z = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))
+    reduction = problem.reduction
+    z = reduction.spread(model.respond(reduction.gathered(rows)))
     still = on_held_edges(problem, places)
     inner = [[] if known else [triangles[k]] for k, known in enumerate(at_vertex | still)]
     return [Loaded(z[:, k], inner=inner[k]) for k in range(len(names))]

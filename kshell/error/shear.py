@@ -118,8 +118,8 @@ def shear_share(
         return replace(found, share=None, why_not=f"the deflection at {place(at)} is zero")
     if dual is None:
         rows, _, _ = deflection_rows(problem, at[None, :2])
-        reduction = problem.reduction.matrix()
-        dual = np.asarray(reduction @ model.respond(np.asarray(reduction.T @ rows)))[:, 0]
+        reduction = problem.reduction
+        dual = reduction.spread(model.respond(reduction.gathered(rows)))[:, 0]
     return resolved(products(problem, [d, dual], centres, strong, at[None, :2]), stored, abs(w))
 
 

@@ -270,15 +270,30 @@ class Reduction:
 
     def expand(self, q: Floats) -> Floats:
         """All degrees of freedom d (dof,), physical, from the unknowns."""
-        layout = self.layout
-        d = np.append(q, 0.0)[self.unknown]  # -1, a fixed direction, takes the last entry
+        return self.spread(q[:, None])[:, 0] + self.particular
+
+    def spread(self, q: Floats) -> Floats:
+        """T q (dof, n), physical, of unknowns (unknown, n)."""
         present = self.slots >= 0
-        z = np.where(present, d[self.slots], 0.0)
-        d[self.slots[present]] = (self.bases @ z[:, :, None])[..., 0][present]
-        d = d * layout.scale
-        fixed = self.particular.copy()
+        d = np.append(q, np.zeros((1, q.shape[1])), axis=0)[self.unknown]  # -1, fixed, takes the last row
+        z = np.where(present[..., None], d[self.slots], 0.0)
+        d[self.slots[present]] = (self.bases @ z)[present]
+        d *= self.layout.scale[:, None]
         self.slaves.fill(d)
-        return d + fixed
+        return d
+
+    def gathered(self, f: Floats) -> Floats:
+        """T' f (unknown, n), loads on the unknowns, of loads (dof, n) on physical degrees of freedom."""
+        present = self.slots >= 0
+        f = self.slaves.gathered(f) * self.layout.scale[:, None]
+        z = np.where(present[..., None], f[self.slots], 0.0)
+        f[self.slots[present]] = (self.bases.swapaxes(1, 2) @ z)[present]
+        out = np.zeros((self.count + 1, f.shape[1]))
+        if self.slaves.by_triangle:  # unknowns that both sides of an edge have
+            np.add.at(out, self.unknown, f)
+        else:
+            out[self.unknown] = f  # -1, fixed, takes the last row
+        return out[:-1]
 
     def matrix(self) -> sp.csr_matrix:
         """T as a sparse matrix (dof, unknown), giving physical degrees of freedom."""

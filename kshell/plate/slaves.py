@@ -85,13 +85,25 @@ class Slaves:
         return out
 
     def fill(self, d: Floats) -> None:
-        """Set the slopes in physical degrees of freedom (dof,) that hold s in their places before."""
+        """Set the slopes in physical degrees of freedom (dof,) or (dof, n) that hold s in their places before."""
         found = d.copy()
         for t in self.by_triangle:
             dofs = self.layout.triangle_dofs(np.array([t]))[0]
             local, rows, inverse = self._elimination(t)
             found[dofs[local]] = rows @ d[dofs] + inverse @ d[dofs[local]]
         d[:] = found
+
+    def gathered(self, f: Floats) -> Floats:
+        """Loads (dof, n) on physical degrees of freedom as those with s in the places of the slopes: `fill` turned."""
+        out = f.copy()
+        out[self.slots] = 0.0
+        for t in self.by_triangle:
+            dofs = self.layout.triangle_dofs(np.array([t]))[0]
+            local, rows, inverse = self._elimination(t)
+            own = f[dofs[local]]
+            out[dofs] += rows.T @ own
+            out[dofs[local]] += inverse.T @ own
+        return out
 
     def matrix(self) -> sp.csr_matrix:
         """(dof, dof) what `fill` does."""

@@ -293,6 +293,8 @@ def test_matrix_in_the_unknowns_is_the_reduced_one(mesh, supports, thickness):
     assert np.abs(found.toarray() - expected).max() < 1e-12 * np.abs(expected).max()
     q = np.random.default_rng(0).normal(size=p.reduction.count)
     assert np.allclose(p.reduction.expand(q), t @ q, atol=1e-9 * np.abs(t @ q).max())
+    loads = np.random.default_rng(1).normal(size=(t.shape[0], 2))
+    assert p.reduction.gathered(loads) == pytest.approx(t.T @ loads, abs=1e-12 * np.abs(t.T @ loads).max())
 
 
 @pytest.mark.parametrize("name", ["step", "clamped line", "step on a circle"])

@@ -58,6 +58,8 @@ def test_matrix_in_the_unknowns_is_the_reduced_one(element, supports):
     assert p.assembled.fixed_energy == pytest.approx(g @ (k @ g), abs=1e-9 * scale)
     q = np.random.default_rng(0).normal(size=p.reduction.count)
     assert np.allclose(p.reduction.expand(q), t @ q + g, atol=1e-9 * np.abs(t @ q).max())
+    loads = np.random.default_rng(1).normal(size=(t.shape[0], 2))
+    assert p.reduction.gathered(loads) == pytest.approx(t.T @ loads, abs=1e-12 * np.abs(t.T @ loads).max())
 
 
 @pytest.mark.parametrize("supports", [[ks.Clamped("edge")], [ks.SimplySupported("edge")]])
