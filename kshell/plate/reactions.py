@@ -99,7 +99,7 @@ class ReactionFinder:
         if inertia is not None:
             r = r - inertia
             pushed = self._rigid_everywhere().T @ inertia
-        slopes = self._release_slopes(r)
+        slopes = self.reduction.slaves.released(r)  # at curved edges
         totals: dict[str, Floats] = {}
         shared = self._shared(r)
         for number, group in enumerate(self.supports.held):
@@ -168,19 +168,6 @@ class ReactionFinder:
             )
         known: dict[int, tuple[Floats, Ints]] = self.kept["rows of supports"]
         return {v: shared_at(v, *of_groups, r, self.layout, self.reduction) for v, of_groups in known.items()}
-
-    def _release_slopes(self, r: Floats) -> Floats:
-        """Reaction moments of slopes at curved edges; their rows are taken out of the residual."""
-        slaves = self.reduction.slaves
-        moments = np.zeros(len(slaves.edges))
-        for t, chosen in slaves.by_triangle.items():
-            dofs = self.layout.triangle_dofs(np.array([t]))[0]
-            rows = slaves.rows[chosen]
-            own = slaves.slots[chosen]
-            local = np.array([int(np.flatnonzero(dofs == dof)[0]) for dof in own])
-            moments[chosen] = np.linalg.solve(rows[:, local].T, r[own])
-            r[dofs] -= moments[chosen] @ rows
-        return moments
 
     def _at_vertices(self, r: Floats, number: int, shared: dict[int, dict[int, Floats]]) -> Floats:
         """Force along z and moments about x, y through the centre."""

@@ -215,7 +215,7 @@ class Reduction:
         """
         layout, b = self.layout, self.layout.per_vertex
         out = transform
-        if self.slaves.by_triangle:
+        if len(self.slaves.edges):
             out = self.slaves.eliminated(triangles, out)
         out = out * layout.scale[dofs][:, None, :]
         if b == 1:  # nothing to turn: a condition on a single number fixes it
@@ -289,7 +289,7 @@ class Reduction:
         z = np.where(present[..., None], f[self.slots], 0.0)
         f[self.slots[present]] = (self.bases.swapaxes(1, 2) @ z)[present]
         out = np.zeros((self.count + 1, f.shape[1]))
-        if self.slaves.by_triangle:  # unknowns that both sides of an edge have
+        if len(self.slaves.edges):  # unknowns that both sides of an edge have
             np.add.at(out, self.unknown, f)
         else:
             out[self.unknown] = f  # -1, fixed, takes the last row
@@ -314,7 +314,7 @@ class Reduction:
         value.append(self.bases[keep] * layout.scale[grid_row[keep]])
         shape = (layout.count, self.count)
         t = sp.csr_matrix((np.concatenate(value), (np.concatenate(row), np.concatenate(column))), shape=shape)
-        if self.slaves.by_triangle:
+        if len(self.slaves.edges):
             t = (self.slaves.matrix() @ t).tocsr()
         return t
 

@@ -10,6 +10,7 @@ for all curved edges of a triangle together.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +22,35 @@ from kshell.plate.layout import Layout
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class _Elimination:
+    """Triangles that have as many dependent slopes each.
+
+    Attributes
+    ----------
+    triangles : (n,) int array
+        Rising.
+    number : (n, slope) int array
+        Of the slopes among all.
+    dofs : (n, local) int array
+        Degrees of freedom.
+    at, local : (n, slope) int arrays
+        The slopes among all degrees of freedom, and among those of the triangle.
+    rows : (n, slope, local) array
+        On the other degrees of freedom, zero at the slopes.
+    inverse : (n, slope, slope) array
+        On s.
+    """
+
+    triangles: Ints
+    number: Ints
+    dofs: Ints
+    at: Ints
+    local: Ints
+    rows: Floats
+    inverse: Floats
 
 
 class Slaves:
@@ -55,68 +85,77 @@ class Slaves:
             self.slots[second] = layout.first_side + place
 
     @cached_property
-    def by_triangle(self) -> dict[int, list[int]]:
-        """Positions by triangle."""
-        table: dict[int, list[int]] = {}
-        for k, t in enumerate(self.triangles.tolist()):
-            table.setdefault(t, []).append(k)
-        return table
-
-    def _elimination(self, triangle: int) -> tuple[Ints, Floats, Floats]:
-        """Local positions in a triangle, and their rows on the other degrees of freedom and on s."""
-        chosen = self.by_triangle[triangle]
-        edges = self.layout.mesh.triangle_edges[triangle]
-        first = 3 * self.layout.per_vertex
-        local = np.array([first + int(np.flatnonzero(edges == self.edges[k])[0]) for k in chosen])
-        rows = self.rows[chosen]
-        inverse = np.linalg.inv(rows[:, local])
-        solved: Floats = -inverse @ rows
-        solved[:, local] = 0.0
-        return local, solved, inverse
+    def _eliminations(self) -> list[_Elimination]:
+        """Of all triangles, those together that have as many slopes."""
+        order = np.argsort(self.triangles, kind="stable")
+        triangles, first, counts = np.unique(self.triangles[order], return_index=True, return_counts=True)
+        out = []
+        for count in np.unique(counts).tolist():
+            here = np.flatnonzero(counts == count)
+            chosen = order[first[here][:, None] + np.arange(count)]  # (n, slope)
+            edges = self.layout.mesh.triangle_edges[triangles[here]]
+            side = (edges[:, None] == self.edges[chosen][..., None]).argmax(axis=2)
+            local = 3 * self.layout.per_vertex + side
+            rows = self.rows[chosen]
+            inverse = np.linalg.inv(np.take_along_axis(rows, local[:, None], axis=2))
+            solved = -inverse @ rows
+            np.put_along_axis(solved, local[:, None], 0.0, axis=2)
+            dofs = self.layout.triangle_dofs(triangles[here])
+            at = np.take_along_axis(dofs, local, axis=1)
+            out.append(_Elimination(triangles[here], chosen, dofs, at, local, solved, inverse))
+        return out
 
     def eliminated(self, triangles: Ints, transform: Floats) -> Floats:
         """Transforms (n, reference dof, dof) of triangles with s in the places of the slopes."""
         out = transform.copy()
-        for k in np.flatnonzero(np.isin(triangles, self.triangles)):
-            local, rows, inverse = self._elimination(int(triangles[k]))
-            own = out[k][:, local]
-            out[k] += own @ rows
-            out[k][:, local] = own @ inverse
+        for e in self._eliminations:
+            place = np.minimum(np.searchsorted(e.triangles, triangles), len(e.triangles) - 1)
+            here = np.flatnonzero(e.triangles[place] == triangles)
+            its = place[here]
+            local, before = e.local[its][:, None], out[here]
+            own = np.take_along_axis(before, local, axis=2)
+            after = before + own @ e.rows[its]
+            np.put_along_axis(after, local, own @ e.inverse[its], axis=2)
+            out[here] = after
         return out
 
     def fill(self, d: Floats) -> None:
         """Set the slopes in physical degrees of freedom (dof,) or (dof, n) that hold s in their places before."""
-        found = d.copy()
-        for t in self.by_triangle:
-            dofs = self.layout.triangle_dofs(np.array([t]))[0]
-            local, rows, inverse = self._elimination(t)
-            found[dofs[local]] = rows @ d[dofs] + inverse @ d[dofs[local]]
-        d[:] = found
+        columns = d.reshape(len(d), -1)
+        found = [e.rows @ columns[e.dofs] + e.inverse @ columns[e.at] for e in self._eliminations]
+        for e, values in zip(self._eliminations, found, strict=True):
+            d[e.at] = values.reshape(*e.at.shape, *d.shape[1:])
 
     def gathered(self, f: Floats) -> Floats:
         """Loads (dof, n) on physical degrees of freedom as those with s in the places of the slopes: `fill` turned."""
         out = f.copy()
         out[self.slots] = 0.0
-        for t in self.by_triangle:
-            dofs = self.layout.triangle_dofs(np.array([t]))[0]
-            local, rows, inverse = self._elimination(t)
-            own = f[dofs[local]]
-            out[dofs] += rows.T @ own
-            out[dofs[local]] += inverse.T @ own
+        for e in self._eliminations:
+            own = f[e.at]
+            np.add.at(out, e.dofs, e.rows.swapaxes(1, 2) @ own)
+            out[e.at] += e.inverse.swapaxes(1, 2) @ own
+        return out
+
+    def released(self, r: Floats) -> Floats:
+        """(n,) what holds the slopes, whose rows are taken out of a residual (dof,) on physical degrees of freedom."""
+        out = np.zeros(len(self.edges))
+        for e in self._eliminations:
+            own = (r[e.at][:, None] @ e.inverse)[:, 0]
+            out[e.number] = own
+            np.subtract.at(r, e.dofs, (own[:, None] @ self.rows[e.number])[:, 0])
         return out
 
     def matrix(self) -> sp.csr_matrix:
         """(dof, dof) what `fill` does."""
+        size = (self.layout.count, self.layout.count)
         kept = np.ones(self.layout.count)
         kept[self.slots] = 0.0
-        parts_row, parts_column, parts_value = [], [], []
-        for triangle in self.by_triangle:
-            dofs = self.layout.triangle_dofs(np.array([triangle]))[0]
-            local, rows, inverse = self._elimination(triangle)
-            rows[:, local] = inverse
-            parts_row.append(np.repeat(dofs[local], len(dofs)))
-            parts_column.append(np.tile(dofs, len(local)))
-            parts_value.append(rows.ravel())
-        size = (self.layout.count, self.layout.count)
-        where = (np.concatenate(parts_row), np.concatenate(parts_column))
-        return sp.csr_matrix(sp.diags(kept) + sp.csr_matrix((np.concatenate(parts_value), where), shape=size))
+        out = sp.csr_matrix(sp.diags(kept))
+        for e in self._eliminations:
+            rows = e.rows.copy()
+            np.put_along_axis(rows, e.local[:, None], e.inverse, axis=2)
+            of_row, of_column = (
+                np.broadcast_to(x, rows.shape).ravel() for x in (e.at[..., None], e.dofs[:, None])
+            )
+            out = out + sp.csr_matrix((rows.ravel(), (of_row, of_column)), shape=size)
+        return sp.csr_matrix(out)
