@@ -199,14 +199,14 @@ class PlateResidual:
         """(edge, k, point) M_nn less that of the other side, and V_n and that of the other side, along chords."""
         mesh = self.problem.mesh
         start = mesh.triangles[:, AROUND]
-        back = start[..., 0] > start[..., 1]  # walked against the edge
-        second = self.every[:, None] != mesh.edge_owner[mesh.triangle_edges, 0]
+        back = (start[..., 0] > start[..., 1]).ravel()  # walked against the edge
+        inside = mesh.edge_counts > 1
+        first, second = mesh.edge_table.sides
         out = []
         for values, sign in zip(tractions.sides(), (-1.0, 1.0), strict=True):
-            by_side = np.moveaxis(values, 2, 1)  # (T, side, k, point)
-            by_side[back] = by_side[back][..., ::-1]
-            total = np.zeros((len(mesh.edges), *by_side.shape[2:]))
-            total[mesh.triangle_edges[~second]] = by_side[~second]
-            total[mesh.triangle_edges[second]] += sign * by_side[second]
+            by_side = np.moveaxis(values, 2, 1).reshape(len(back), *values.shape[1::2])  # (3 T, k, point)
+            by_side[back] = by_side[back, :, ::-1]
+            total = by_side[first]
+            total[inside] += sign * by_side[second[inside]]
             out.append(total)
         return out[0], out[1]
