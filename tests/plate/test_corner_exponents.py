@@ -6,6 +6,7 @@ import pytest
 import kshell as ks
 from kshell.mesh.mesh import Mesh
 from kshell.plate.corner_exponents import Star, corner_exponents, least_exponent
+from kshell.plate.domain import Domain
 from tests.plate.hhj_cases import MATERIAL, problem, square
 from tests.plate.plates import disk
 
@@ -161,3 +162,22 @@ def test_curved_plates_are_graded_to_a_tolerance():
     assert len(result.error["levels"]) < 4  # 10 without
     rim = result.mesh.points[np.unique(result.mesh.edges[result.mesh.boundary_edges])]
     assert np.hypot(rim[:, 0], rim[:, 1]) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_exponents_know_no_numbers_and_stay_with_their_domain():
+    """Of vertices and triangles in another order; of chords, asked in turn with arcs."""
+    mesh, random = two_supports(), np.random.default_rng(0)
+    new = random.permutation(len(mesh.points))
+    points = np.empty_like(mesh.points)
+    points[new] = mesh.points
+    groups = {name: new[mesh.edges[mesh.groups[name].members]] for name in ("left half", "line", "rest")}
+    other = Mesh.from_arrays(points, new[mesh.triangles[random.permutation(len(mesh.triangles))]], groups)
+    supports = [ks.SimplySupported("rest"), ks.SimplySupported("left half"), ks.Clamped("line")]
+    found = [named(problem(m, supports, [ks.Pressure(1.0)])) for m in (mesh, other)]
+    assert found[0]
+    assert found[1] == pytest.approx(found[0], abs=1e-9)
+    rim = problem(disk(4), [ks.SimplySupported("edge")], [ks.Pressure(1.0)])
+    chords = Domain(rim.mesh, False)
+    for _ in range(2):
+        assert corner_exponents(rim) == {}
+        assert len(corner_exponents(rim, chords)) == 24

@@ -7,6 +7,7 @@ import scipy.sparse as sp
 import kshell as ks
 from kshell.analysis.models import model_of
 from kshell.elements import ElementArgyris, ElementMorley
+from kshell.mesh.mesh import Mesh
 from kshell.plate.pattern import Pattern
 from kshell.plate.problem import PlateProblem
 from kshell.scene.structure import resolve
@@ -238,3 +239,28 @@ def test_a_nearly_singular_laminate_is_warned_of():
     words = solve(rectangle(2), [ks.SimplySupported("edge")], [ks.Pressure(1.0)], layers=layers).warnings
     assert len(words) == 1
     assert "1.0e+06 times" in words[0]
+
+
+def test_slopes_at_several_curved_edges_of_a_triangle_are_found_together():
+    """A clamped disk of two triangles, two sides of each an arc: rows . d = s, and reactions of s alone."""
+    angle = 0.25 * np.pi * np.arange(8)
+    points = np.append(np.stack([np.cos(angle), np.sin(angle)], axis=1), [[0.0, 0.0]], axis=0)
+    cells = np.array([[0, 2, 4, 1, 3, 8], [0, 4, 6, 8, 5, 7]])
+    mesh = Mesh.from_arrays(points, cells, {"edge": np.array([[0, 2], [2, 4], [4, 6], [6, 0]])})
+    p = problem(mesh, [ks.Clamped("edge")], "argyris")
+    slaves, random = p.reduction.slaves, np.random.default_rng(0)
+    assert sorted(slaves.triangles.tolist()) == [0, 0, 1, 1]
+    dofs = p.layout.triangle_dofs(slaves.triangles)
+    d = random.normal(size=(p.layout.count, 3))
+    s, matrix = d[slaves.slots], slaves.matrix()
+    expected = matrix @ d
+    loads = random.normal(size=d.shape)
+    assert slaves.gathered(loads) == pytest.approx(matrix.T @ loads, abs=1e-12 * np.abs(loads).max())
+    slaves.fill(d)
+    assert d == pytest.approx(expected, abs=1e-12 * np.abs(d).max())
+    assert (slaves.rows[:, None] @ d[dofs])[:, 0] == pytest.approx(s, abs=1e-12 * np.abs(d).max())
+    moments, residual = random.normal(size=len(slaves.edges)), np.zeros(p.layout.count)
+    np.add.at(residual, dofs, moments[:, None] * slaves.rows)
+    size = np.abs(residual).max()
+    assert slaves.released(residual) == pytest.approx(moments, rel=1e-10)
+    assert np.abs(residual).max() < 1e-12 * size
