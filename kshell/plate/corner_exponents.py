@@ -50,7 +50,7 @@ def corner_exponents(
     """Exponents lambda < 2 of the deflection by vertex: their real parts where they are complex.
 
     Edges that are curved in the domain, that of the problem if absent, leave along their tangents. `among`: of these
-    vertices alone, of all corners if absent. What was found is kept with what problems share that differ in loads alone.
+    corners alone, of all if absent. What was found is kept with what problems share that differ in loads alone.
     """
     domain = problem.domain if domain is None else domain
     known = problem.shared.get("corner exponents")
