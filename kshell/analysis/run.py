@@ -129,9 +129,10 @@ def described(
     result.warnings += doubts(run.scene.units)
     if result.analysis in DEFLECTED:
         warn_of_the_implausible(result, model.structure, large, run.factors)
-    mark_peaks(result, model.structure, model.singular())
+    acting = model.structure.acting(run.factors)
+    mark_peaks(result, acting, model.singular())
     if result.probes or "von_mises_top" in result.fields:
-        add_strength(result, model.structure, warmth, model.singular())
+        add_strength(result, acting, warmth, model.singular())
     answer_asked(result, run.scene)
     result.solver = {**solver, "seconds": {**run.clock.seconds}, "peak_memory_mb": run.clock.peak_memory_mb}
     return result

@@ -74,7 +74,7 @@ class Structure:
     notes : tuple of str
         What was made of its values, in words.
     found : dict
-        What follows from it and is found once; another structure made from it begins anew.
+        What follows from its mesh and supports, and is found once; another structure made from it begins anew.
     """
 
     space: Mesh
@@ -114,6 +114,15 @@ class Structure:
         acts = [True] * len(self.loads) if factors is None else [f != 0.0 for f in factors]
         of_loads = sum(x.missed for x, does in zip(self.loads, acts, strict=True) if does)
         return of_loads + sum(x.missed for x in self.supports)
+
+    def acting(self, factors: Sequence[float] | None) -> Structure:
+        """The same under the loads alone that act where loads have factors, (load,), in a load case."""
+        if factors is None or all(f != 0.0 for f in factors):
+            return self
+        loads = tuple(placed for placed, f in zip(self.loads, factors, strict=True) if f != 0.0)
+        out = replace(self, loads=loads)
+        out.found.update(self.found)  # of mesh and supports
+        return out
 
     def at_time(self, time: float) -> Structure:
         """The same with loads and prescribed motions as they are at one time."""

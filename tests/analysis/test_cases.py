@@ -496,3 +496,23 @@ def test_a_case_has_the_warnings_of_its_own_loads(options):
     told = {name: any("changes faster" in w for w in case.warnings) for name, case in result.cases.items()}
     assert told == {"without": False, "with": True, "both": True}
     assert any(words.startswith('cases "with", "both": load disc') for words in result.warnings)
+
+
+@pytest.mark.filterwarnings("ignore::kshell.KshellWarning")
+@pytest.mark.parametrize("model", ["plate", "shell"])
+def test_cases_say_what_their_loads_alone_say(model):
+    """Stresses grow at a point force in its own case; in the other one its place has a stress as any."""
+    at = (0.5, 1.0, 0.0)  # where the snow bends the plate most
+    loads = [ks.Pressure("-1000 * y", name="snow"), ks.PointForce(at, (0, 0, -500.0), name="crane")]
+    cases = [ks.Case("snow", ["snow"]), ks.Case("crane", ["crane"])]
+    supports = [ks.SimplySupported("left"), ks.SimplySupported("right")]
+    scene = plate(loads=loads, cases=cases, combinations=[], supports=supports)
+    result = ks.solve(scene, model=model)
+    for name in ("snow", "crane"):
+        alone, case = ks.solve(scene.of_case(name), model=model), result.cases[name]
+        assert case.warnings == alone.warnings
+        peak, known = case.extremes["von_mises"]["peak"], alone.extremes["von_mises"]["peak"]
+        assert (peak is None) == (known is None)
+        assert case.extremes["von_mises"]["value"] == pytest.approx(alone.extremes["von_mises"]["value"])
+    assert result.cases["crane"].extremes["von_mises"]["peak"]["why"].startswith("a point force")
+    assert result.cases["snow"].extremes["von_mises"]["peak"] is None
