@@ -87,6 +87,8 @@ class Slaves:
     @cached_property
     def _eliminations(self) -> list[_Elimination]:
         """Of all triangles, those together that have as many slopes."""
+        if not len(self.edges):
+            return []
         order = np.argsort(self.triangles, kind="stable")
         triangles, first, counts = np.unique(self.triangles[order], return_index=True, return_counts=True)
         out = []
