@@ -52,7 +52,7 @@ def main() -> int:
         rows = [row for row in rows if row["problem"] not in chosen]
         facts = machine()
         for row in run_all([COMPARISONS[name] for name in chosen], options.peers_python):
-            rows.append(row)
+            rows.append(table.rounded(row))
             print(shown(row), flush=True)
         rows.sort(key=lambda row: list(COMPARISONS).index(row["problem"]))
     own = {row["version"] for row in rows if row["unknowns"] and METHODS[row["method"]].program != OURS}

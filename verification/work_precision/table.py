@@ -29,3 +29,8 @@ def write(path: Path, facts: dict[str, str], rows: Sequence[dict[str, Any]]) -> 
         writer.writerows(
             {k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows
         )
+
+
+def rounded(row: dict[str, Any]) -> dict[str, Any]:
+    """With as many digits as the file has, so that tables made from either are the same."""
+    return {k: float(f"{v:.6g}") if isinstance(v, float) else v for k, v in row.items()}
