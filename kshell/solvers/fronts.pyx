@@ -10,7 +10,7 @@ node     of the tree of elimination: blocks that are eliminated at once, in one 
 from libc.stdint cimport int32_t, int64_t
 
 
-VERSION = 1  # as in kshell.solvers.frontal
+VERSION = 1  # as FRONTS in kshell.solvers.kernels
 
 
 def alike(const int64_t[::1] indptr, const int32_t[::1] indices, int32_t[::1] block, int32_t[::1] start):

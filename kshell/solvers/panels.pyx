@@ -28,7 +28,7 @@ ctypedef void (*trsv_t)(char*, char*, char*, int*, double*, int*, double*, int*)
 ctypedef void (*gemv_t)(char*, int*, int*, double*, double*, int*, double*, int*, double*, double*,
                         int*) noexcept nogil
 
-VERSION = 1  # as in kshell.solvers.frontal
+VERSION = 1  # as FRONTS in kshell.solvers.kernels
 
 cdef potrf_t dpotrf
 cdef trsm_t dtrsm
