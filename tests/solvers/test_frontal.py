@@ -164,7 +164,7 @@ def test_shells_are_the_same_whoever_factorises(monkeypatch, order, springs):
         for result in ways(monkeypatch, lambda: ks.solve(roof(order, held)))
     ]
     for energy, u in found[1:]:
-        assert abs(energy - found[0][0]) < 1e-11 * abs(energy)
+        assert abs(energy - found[0][0]) < 1e-10 * abs(energy)  # rslab differs by 1.2e-11
         np.testing.assert_allclose(u, found[0][1], atol=1e-10 * np.abs(u).max())
 
 
